@@ -1,0 +1,1 @@
+//! Offline: mesh → basis → cubature → one baked avatar.

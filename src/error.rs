@@ -1,0 +1,86 @@
+//! The crate's error: one variant for each kind of thing that can go wrong, naming the place and the cure.
+
+use std::path::PathBuf;
+
+/// Result of every fallible function of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Everything that can go wrong.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read or written.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A file is not what its format demands.
+    #[error("{path}: {field}: {problem}", path = path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// The key, section or line at fault.
+        field: String,
+        /// What is wrong, and how to mend it.
+        problem: String,
+    },
+    /// A value handed to the library is unusable.
+    #[error("{field}: {problem}")]
+    Invalid {
+        /// The argument or field at fault.
+        field: String,
+        /// What is wrong, and how to mend it.
+        problem: String,
+    },
+    /// A linear system could not be factored or solved.
+    #[error("{system}: {problem}")]
+    Solve {
+        /// Which system.
+        system: &'static str,
+        /// What failed, with the pivot where it is known.
+        problem: String,
+    },
+    /// A state or a result held a value that is not finite; the state before the step is kept.
+    #[error("{quantity} is not finite; the state before the step was kept")]
+    NotFinite {
+        /// Which quantity.
+        quantity: &'static str,
+    },
+    /// The graphics device refused, is missing or was lost.
+    #[error("GPU: {0}")]
+    Gpu(String),
+}
+
+impl Error {
+    /// An [`Error::Invalid`] of `field`.
+    pub fn invalid(field: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Invalid {
+            field: field.into(),
+            problem: problem.into(),
+        }
+    }
+
+    /// An [`Error::Format`] of `path`.
+    pub fn format(
+        path: impl Into<PathBuf>,
+        field: impl Into<String>,
+        problem: impl Into<String>,
+    ) -> Self {
+        Self::Format {
+            path: path.into(),
+            field: field.into(),
+            problem: problem.into(),
+        }
+    }
+
+    /// An [`Error::Io`] of `path`.
+    pub fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.into(),
+            source,
+        }
+    }
+}

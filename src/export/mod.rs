@@ -1,0 +1,1 @@
+//! Pictures, GLB and reports out.

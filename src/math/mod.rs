@@ -1,0 +1,13 @@
+//! Small dense algebra: rotations, 3×3 decompositions, 9×9 tangents, compressed rows.
+
+mod decomposition;
+mod parallel;
+mod rotation;
+mod rows;
+mod tensor;
+
+pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
+pub use parallel::{par_each, par_map};
+pub use rotation::{rotation_exp, rotation_log, skew};
+pub use rows::Rows;
+pub use tensor::{Mat9, Vec9, flatten, unflatten};

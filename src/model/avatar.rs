@@ -1,0 +1,195 @@
+//! The baked avatar: everything that stays constant while it is simulated.
+
+use super::{PointSet, Skeleton, SkinWeight, Space, State, TetMesh};
+use crate::material::Material;
+use crate::math::Rows;
+use crate::{Error, Result};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// Second moments of a rigid bone about its joint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoneMass {
+    /// S = ∫ ρ y yᵀ dV with y = (X − J, 1): `s[row][column]`, kg m², kg m, kg. `s[3][3]` is the mass.
+    pub second_moment: [[f64; 4]; 4],
+}
+
+/// The volume between bones and skin, kept for the full-space solve and for reports.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SoftLayer {
+    /// The mesh, in the reference shape.
+    pub mesh: TetMesh,
+    /// The part of each tet that is tissue, in (0, 1]: lattice tets are cut by skin and bones.
+    pub tissue_fraction: Vec<f64>,
+    /// The bone that holds each node, if one does: U is 0 there.
+    pub bone_of_node: Vec<Option<u32>>,
+    /// Bones of each node.
+    pub skinning: Rows<SkinWeight>,
+    /// Handles (index, U) of each node, truncated as at the points.
+    pub basis: Rows<(u32, f64)>,
+    /// Nodes (index, share) of each skin vertex; one node where the mesh meets the skin.
+    pub skin_embedding: Rows<(u32, f64)>,
+}
+
+/// A baked avatar, constant while it is simulated. What changes is [`State`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Avatar {
+    /// What it is called in reports.
+    pub name: String,
+    /// Bones.
+    pub skeleton: Skeleton,
+    /// Mass of each bone.
+    pub bone_masses: Vec<BoneMass>,
+    /// Rest position of each handle, m.
+    pub handles: Vec<DVec3>,
+    /// Tissue points that carry inertia and elasticity; `measure` is the cubature weight, m³.
+    pub cubature: PointSet,
+    /// Skin vertices that are drawn and touch; `measure` is the area, m².
+    pub skin: PointSet,
+    /// Triangles of the skin.
+    pub triangles: Vec<[u32; 3]>,
+    /// What the tissue is made of.
+    pub material: Material,
+    /// Density of the tissue, kg/m³.
+    pub density: f64,
+    /// Stiffness-proportional damping β, s.
+    pub damping_time: f64,
+    /// Whether the rest shape already sags under gravity (a captured shape does); then the tissue's
+    /// weight loads the bones and not the handles.
+    pub captured_under_gravity: bool,
+    /// The mesh behind the cubature.
+    pub layer: SoftLayer,
+}
+
+impl Avatar {
+    /// The numbering of the DoFs.
+    pub fn space(&self) -> Space {
+        Space {
+            frames: self.skeleton.len(),
+            handles: self.handles.len(),
+        }
+    }
+
+    /// The bind pose with no displacement.
+    pub fn rest_state(&self) -> State {
+        State {
+            frames: self.skeleton.bind_pose(),
+            handles: vec![DVec3::ZERO; self.handles.len()],
+        }
+    }
+
+    /// Mass of the tissue, kg.
+    pub fn tissue_mass(&self) -> f64 {
+        self.density * self.cubature.measure.iter().sum::<f64>()
+    }
+
+    /// Checks every length, index and number, so that no later room has to.
+    pub fn validate(&self) -> Result<()> {
+        self.skeleton.validate()?;
+        self.material.validate()?;
+        let (bones, handles) = (self.skeleton.len(), self.handles.len());
+        self.cubature.validate("cubature", bones, handles)?;
+        self.skin.validate("skin", bones, handles)?;
+        let layer = &self.layer;
+        let (nodes, tets) = (layer.mesh.nodes.len(), layer.mesh.tets.len());
+        layer.skinning.validate("layer.skinning", nodes)?;
+        layer.basis.validate("layer.basis", nodes)?;
+        layer
+            .skin_embedding
+            .validate("layer.skin_embedding", self.skin.len())?;
+        let check = |ok: bool, field: &str, problem: &str| {
+            if ok {
+                Ok(())
+            } else {
+                Err(Error::invalid(field, problem))
+            }
+        };
+        let below = |index: u32, count: usize| (index as usize) < count;
+        check(
+            self.bone_masses.len() == bones,
+            "bone_masses",
+            "one is needed for each bone",
+        )?;
+        check(
+            self.bone_masses
+                .iter()
+                .flat_map(|b| b.second_moment.iter().flatten())
+                .all(|s| s.is_finite()),
+            "bone_masses",
+            "holds a value that is not finite",
+        )?;
+        check(
+            self.handles.iter().all(|h| h.is_finite()),
+            "handles",
+            "holds a value that is not finite",
+        )?;
+        check(
+            self.cubature.measure.iter().all(|&w| w > 0.0),
+            "cubature.measure",
+            "weights must be positive",
+        )?;
+        check(
+            self.density > 0.0 && self.density.is_finite(),
+            "density",
+            "must be positive (kg/m³)",
+        )?;
+        check(
+            self.damping_time >= 0.0 && self.damping_time.is_finite(),
+            "damping_time",
+            "must be zero or positive (s)",
+        )?;
+        check(
+            self.triangles
+                .iter()
+                .flatten()
+                .all(|&v| below(v, self.skin.len())),
+            "triangles",
+            "names a vertex that is not there",
+        )?;
+        check(
+            layer.mesh.tets.iter().flatten().all(|&n| below(n, nodes)),
+            "layer.mesh",
+            "names a node that is not there",
+        )?;
+        check(
+            layer.mesh.nodes.iter().all(|n| n.is_finite()),
+            "layer.mesh",
+            "holds a value that is not finite",
+        )?;
+        check(
+            layer.tissue_fraction.len() == tets
+                && layer.tissue_fraction.iter().all(|&f| f > 0.0 && f <= 1.0),
+            "layer.tissue_fraction",
+            "one in (0, 1] is needed for each tet",
+        )?;
+        check(
+            layer.bone_of_node.len() == nodes
+                && layer
+                    .bone_of_node
+                    .iter()
+                    .flatten()
+                    .all(|&b| below(b, bones)),
+            "layer.bone_of_node",
+            "one bone at most, an existing one, is needed for each node",
+        )?;
+        check(
+            layer
+                .skinning
+                .entries()
+                .iter()
+                .all(|w| below(w.bone, bones) && w.weight.is_finite())
+                && layer
+                    .basis
+                    .entries()
+                    .iter()
+                    .all(|u| below(u.0, handles) && u.1.is_finite())
+                && layer
+                    .skin_embedding
+                    .entries()
+                    .iter()
+                    .all(|e| below(e.0, nodes) && e.1.is_finite()),
+            "layer",
+            "an entry names what is not there, or is not finite",
+        )
+    }
+}

@@ -1,0 +1,49 @@
+//! Rigid frames.
+
+use crate::math::{rotation_exp, rotation_log};
+use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// A rigid placement: `x = rotation · X + position`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Rotation matrix.
+    pub rotation: DMat3,
+    /// Origin in world space, m. For a bone this is its joint's place.
+    pub position: DVec3,
+}
+
+impl Frame {
+    /// No rotation, at the origin.
+    pub const IDENTITY: Self = Self {
+        rotation: DMat3::IDENTITY,
+        position: DVec3::ZERO,
+    };
+
+    /// World place of the frame's own `point`.
+    pub fn transform(&self, point: DVec3) -> DVec3 {
+        self.rotation * point + self.position
+    }
+
+    /// The frame's own coordinates of the world `point`.
+    pub fn inverse_transform(&self, point: DVec3) -> DVec3 {
+        self.rotation.transpose() * (point - self.position)
+    }
+
+    /// c + δc and exp(\[δω\]) R, orthonormalised so that long runs do not drift off SO(3).
+    pub fn moved(&self, translation: DVec3, rotation_vector: DVec3) -> Self {
+        let rotation = rotation_exp(rotation_vector) * self.rotation;
+        Self {
+            rotation: DMat3::from_quat(DQuat::from_mat3(&rotation).normalize()),
+            position: self.position + translation,
+        }
+    }
+
+    /// (δc, δω) such that `self.moved(δc, δω)` is `other`.
+    pub fn motion_to(&self, other: &Self) -> (DVec3, DVec3) {
+        (
+            other.position - self.position,
+            rotation_log(other.rotation * self.rotation.transpose()),
+        )
+    }
+}

@@ -1,0 +1,19 @@
+//! What an avatar is: plain data, no algorithms beyond its own geometry.
+
+mod avatar;
+mod frame;
+mod parametric;
+mod points;
+mod skeleton;
+mod state;
+mod surface;
+mod tet_mesh;
+
+pub use avatar::{Avatar, BoneMass, SoftLayer};
+pub use frame::Frame;
+pub use parametric::ParametricModel;
+pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
+pub use skeleton::{Skeleton, pose_feature};
+pub use state::{Space, State};
+pub use surface::Surface;
+pub use tet_mesh::TetMesh;

@@ -1,0 +1,118 @@
+//! The bones' tree and its forward kinematics.
+
+use super::Frame;
+use crate::{Error, Result};
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// A tree of bones. Parents come before their children; the root has none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Skeleton {
+    /// Names, unique.
+    pub names: Vec<String>,
+    /// Parent of each bone.
+    pub parents: Vec<Option<u32>>,
+    /// J: each joint's place in the reference shape, m.
+    pub joints: Vec<DVec3>,
+}
+
+impl Skeleton {
+    /// Number of bones.
+    pub fn len(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Whether there is no bone.
+    pub fn is_empty(&self) -> bool {
+        self.joints.is_empty()
+    }
+
+    /// Index of the bone called `name`.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
+    /// Frames in the bind pose: no rotation, each at its joint.
+    pub fn bind_pose(&self) -> Vec<Frame> {
+        self.joints
+            .iter()
+            .map(|&position| Frame {
+                rotation: DMat3::IDENTITY,
+                position,
+            })
+            .collect()
+    }
+
+    /// World frames from each bone's rotation relative to its parent (the root's relative to the
+    /// world), the root's joint standing at `root_position`.
+    pub fn forward_kinematics(
+        &self,
+        local_rotations: &[DMat3],
+        root_position: DVec3,
+    ) -> Vec<Frame> {
+        let mut frames: Vec<Frame> = Vec::with_capacity(self.len());
+        for (j, &local) in local_rotations.iter().enumerate() {
+            frames.push(match self.parents[j] {
+                None => Frame {
+                    rotation: local,
+                    position: root_position,
+                },
+                Some(p) => {
+                    let parent = frames[p as usize];
+                    Frame {
+                        rotation: parent.rotation * local,
+                        position: parent.transform(self.joints[j] - self.joints[p as usize]),
+                    }
+                }
+            });
+        }
+        frames
+    }
+
+    /// Checks lengths, finiteness and that parents precede children.
+    pub fn validate(&self) -> Result<()> {
+        let count = self.len();
+        if count == 0 || self.names.len() != count || self.parents.len() != count {
+            return Err(Error::invalid(
+                "skeleton",
+                format!(
+                    "{} names, {} parents, {count} joints",
+                    self.names.len(),
+                    self.parents.len()
+                ),
+            ));
+        }
+        if self
+            .parents
+            .iter()
+            .enumerate()
+            .any(|(j, p)| p.is_some_and(|p| p as usize >= j))
+        {
+            return Err(Error::invalid(
+                "skeleton.parents",
+                "a bone stands before its parent",
+            ));
+        }
+        if self.joints.iter().any(|j| !j.is_finite()) {
+            return Err(Error::invalid(
+                "skeleton.joints",
+                "holds a value that is not finite",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// SMPL's pose feature: R_parentᵀ R_child − I of every bone but the root, nine numbers each, row by
+/// row (Loper et al. 2015). Bones are in skeleton order.
+pub fn pose_feature(parents: &[Option<u32>], frames: &[Frame]) -> Vec<f64> {
+    let mut feature = Vec::with_capacity(9 * parents.len().saturating_sub(1));
+    for (j, parent) in parents.iter().enumerate() {
+        if let Some(p) = parent {
+            let relative = frames[*p as usize].rotation.transpose() * frames[j].rotation;
+            // Rows of the relative rotation are columns of its transpose.
+            feature.extend((relative - DMat3::IDENTITY).transpose().to_cols_array());
+        }
+    }
+    feature
+}

@@ -1,0 +1,127 @@
+//! The incremental potential of backward Euler, as Newton sees it.
+//!
+//! `E(q) = E_inertia + E_gravity + E_elastic + E_damping + E_contact` of the tissue. The bones' own
+//! terms are in [`crate::skeleton`]. Two implementations: the f64 evaluation in
+//! [`crate::reference`](mod@crate::reference) and the WGSL kernels in `stage`.
+
+mod pattern;
+
+pub use pattern::{BlockPattern, point_blocks};
+
+use crate::Result;
+use crate::collider::Collider;
+use crate::model::{Space, State};
+use glam::DVec3;
+use std::future::Future;
+
+/// What one instance's step starts from; constant through the step's Newton iterations.
+#[derive(Clone, Copy, Debug)]
+pub struct StepStart<'a> {
+    /// h, s.
+    pub time_step: f64,
+    /// qⁿ⁻¹.
+    pub previous: &'a State,
+    /// qⁿ: its pose gives x̄ for the whole step, and energies are measured from it.
+    pub current: &'a State,
+    /// Colliders, each with its frame at tⁿ and at tⁿ⁺¹.
+    pub colliders: &'a [Collider],
+    /// Gravity on the tissue's displacement, m/s²; zero where the rest shape already sags.
+    pub tissue_gravity: DVec3,
+}
+
+/// The energies of the tissue, J. In an [`Evaluation`] each is E(q) − E(qⁿ).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// Σ m/(2h²) |x − x̂|².
+    pub inertia: f64,
+    /// −Σ m g · x, only where gravity loads the handles.
+    pub gravity: f64,
+    /// Σ w Ψ(F).
+    pub elastic: f64,
+    /// Σ w β/(2h) ΔF : Cⁿ : ΔF.
+    pub damping: f64,
+    /// Σ ½ k a (d̂ − d)₊².
+    pub contact: f64,
+}
+
+impl Energies {
+    /// Their sum.
+    pub fn total(&self) -> f64 {
+        self.inertia + self.gravity + self.elastic + self.damping + self.contact
+    }
+}
+
+/// The potential at one state.
+#[derive(Clone, Debug, Default)]
+pub struct Evaluation {
+    /// E(q) − E(qⁿ), term by term.
+    pub energies: Energies,
+    /// ∂E/∂q: [`Space::dofs`] scalars in block order.
+    pub gradient: Vec<f64>,
+    /// The solver's Hessian: the blocks of [`BlockPattern`] in order, each 3×3 column by column.
+    pub hessian: Vec<[f64; 9]>,
+    /// Sum of the contact forces on the skin, N, in world axes.
+    pub contact_force: DVec3,
+    /// Active contacts.
+    pub contacts: usize,
+}
+
+/// A state to be compared with an instance's base state.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial<'a> {
+    /// Which instance.
+    pub instance: usize,
+    /// Where the difference starts.
+    pub base: &'a State,
+    /// Where it ends.
+    pub state: &'a State,
+}
+
+/// The tissue's energy for a batch of avatars of one baked asset.
+pub trait Potential {
+    /// What evaluates it, for reports: `"cpu"`, or the adapter's name.
+    fn name(&self) -> String;
+
+    /// The numbering of DoFs, one for all instances.
+    fn space(&self) -> Space;
+
+    /// Which 3×3 blocks of the Hessian there are.
+    fn pattern(&self) -> &BlockPattern;
+
+    /// Number of instances.
+    fn instances(&self) -> usize;
+
+    /// Starts a step of every active instance: x̄ from θⁿ, x̂, the lagged damping tangent.
+    fn begin_step(
+        &mut self,
+        starts: &[StepStart<'_>],
+        active: &[bool],
+    ) -> impl Future<Output = Result<()>>;
+
+    /// Energy, gradient and Hessian of every active instance; the others' `out` is left alone.
+    fn evaluate(
+        &mut self,
+        states: &[State],
+        active: &[bool],
+        out: &mut [Evaluation],
+    ) -> impl Future<Output = Result<()>>;
+
+    /// E(state) − E(base) of each trial, summed from increments; `out` is as long as `trials`.
+    fn energy_differences(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [f64],
+    ) -> impl Future<Output = Result<()>>;
+
+    /// Poses the drawn skin of every instance, with x̄ of the state's own pose, and its normals.
+    /// They stay where the implementation keeps them (on the GPU: a buffer to draw from).
+    fn pose_skin(&mut self, states: &[State]) -> impl Future<Output = Result<()>>;
+
+    /// Copies out what [`Potential::pose_skin`] made for an instance: positions (m, world) and normals.
+    fn read_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> impl Future<Output = Result<()>>;
+}

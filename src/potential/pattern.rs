@@ -1,0 +1,91 @@
+//! Which 3×3 blocks of the reduced Hessian can be non-zero.
+
+use crate::math::Rows;
+use crate::model::{PointSet, Space};
+use std::collections::BTreeSet;
+
+/// The lower triangle (row ≥ column) of a symmetric block matrix, row after row, columns rising.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockPattern {
+    space: Space,
+    columns: Rows<u32>,
+}
+
+impl BlockPattern {
+    /// The pattern of everything that moves `sets` of points. Blocks of frames among themselves are
+    /// always there, for the skeleton's terms.
+    pub fn new(space: Space, sets: &[&PointSet]) -> Self {
+        let mut rows = vec![BTreeSet::new(); space.blocks()];
+        for row in 0..2 * space.frames {
+            rows[row].extend(0..=row as u32);
+        }
+        for row in 2 * space.frames..space.blocks() {
+            rows[row].insert(row as u32);
+        }
+        let mut touched = Vec::new();
+        for set in sets {
+            for i in 0..set.len() {
+                point_blocks(space, set, i, &mut touched);
+                touched.sort_unstable();
+                for (k, &row) in touched.iter().enumerate() {
+                    rows[row as usize].extend(&touched[..=k]);
+                }
+            }
+        }
+        Self {
+            space,
+            columns: rows.into_iter().collect(),
+        }
+    }
+
+    /// The numbering of DoFs.
+    pub fn space(&self) -> Space {
+        self.space
+    }
+
+    /// Columns of each block row.
+    pub fn columns(&self) -> &Rows<u32> {
+        &self.columns
+    }
+
+    /// Number of stored blocks.
+    pub fn len(&self) -> usize {
+        self.columns.entries().len()
+    }
+
+    /// Whether no block is stored.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Index of the stored block (`row`, `column`), `row ≥ column`.
+    pub fn find(&self, row: usize, column: usize) -> Option<usize> {
+        let range = self.columns.range(row);
+        let at = self.columns.row(row).binary_search(&(column as u32)).ok()?;
+        Some(range.start + at)
+    }
+
+    /// (row, column) of every stored block in order.
+    pub fn blocks(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.columns
+            .iter()
+            .enumerate()
+            .flat_map(|(row, columns)| columns.iter().map(move |&column| (row, column as usize)))
+    }
+}
+
+/// The blocks that move point `i` of `set`, in local order: (c, ω) of each of its bones, then each of
+/// its handles.
+pub fn point_blocks(space: Space, set: &PointSet, i: usize, out: &mut Vec<u32>) {
+    out.clear();
+    for weight in set.skinning.row(i) {
+        let block = space.frame_block(weight.bone as usize) as u32;
+        out.extend([block, block + 1]);
+    }
+    out.extend(
+        set.basis
+            .row(i)
+            .iter()
+            .map(|u| space.handle_block(u.handle as usize) as u32),
+    );
+}

@@ -1,0 +1,1 @@
+//! Models made by the crate itself: a limb, a finger, a hand.

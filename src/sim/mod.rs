@@ -1,0 +1,1 @@
+//! The step: state, Newton, the reduced system.
