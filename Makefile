@@ -1,0 +1,19 @@
+.PHONY: demo test bench bench-smoke ci
+
+# The soft hand pressed on a cylinder; pictures, GLB and report in out/hand_press.
+demo:
+	cargo run --release --features cli -- simulate assets/scenes/hand_press.toml -o out/hand_press
+
+# Installs a software Vulkan driver if there is no adapter (Debian), then runs every test.
+test:
+	.ci/install-vulkan
+	cargo test --features cli
+
+bench:
+	cargo bench --features cli
+
+bench-smoke:
+	cargo bench --features cli -- --test
+
+ci:
+	.ci/run
