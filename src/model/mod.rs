@@ -1,6 +1,7 @@
 //! What an avatar is: plain data, no algorithms beyond its own geometry.
 
 mod avatar;
+mod body;
 mod frame;
 mod parametric;
 mod points;
@@ -10,6 +11,7 @@ mod surface;
 mod tet_mesh;
 
 pub use avatar::{Avatar, BoneMass, SoftLayer};
+pub use body::{Body, LayerMesh};
 pub use frame::Frame;
 pub use parametric::ParametricModel;
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};

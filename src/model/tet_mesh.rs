@@ -52,4 +52,30 @@ impl TetMesh {
         let [a, b, c, d] = self.tets[t];
         [[b, c, d], [a, d, c], [a, b, d], [a, c, b]]
     }
+
+    /// Faces that belong to one tet only, outward, in the order of their tets.
+    pub fn boundary_triangles(&self) -> Vec<[u32; 3]> {
+        let mut faces: Vec<([u32; 3], u32)> = (0..self.tets.len())
+            .flat_map(|t| {
+                self.faces(t)
+                    .into_iter()
+                    .enumerate()
+                    .map(move |(i, mut face)| {
+                        face.sort_unstable();
+                        (face, (4 * t + i) as u32)
+                    })
+            })
+            .collect();
+        faces.sort_unstable();
+        let mut single: Vec<u32> = faces
+            .chunk_by(|a, b| a.0 == b.0)
+            .filter(|twins| twins.len() == 1)
+            .map(|twins| twins[0].1)
+            .collect();
+        single.sort_unstable();
+        single
+            .into_iter()
+            .map(|f| self.faces(f as usize / 4)[f as usize % 4])
+            .collect()
+    }
 }

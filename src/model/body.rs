@@ -1,0 +1,126 @@
+//! What baking starts from: a skinned body and the mesh of its soft layer.
+
+use super::{PoseBlend, Skeleton, SkinWeight, Surface, TetMesh};
+use crate::math::Rows;
+use crate::{Error, Result};
+
+/// The meshed volume between bones and skin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LayerMesh {
+    /// The mesh, in the reference shape.
+    pub mesh: TetMesh,
+    /// The part of each tet that is tissue, in (0, 1].
+    pub tissue_fraction: Vec<f64>,
+    /// The bone that holds each node, if one does.
+    pub bone_of_node: Vec<Option<u32>>,
+    /// Nodes (index, share) of each skin vertex; one node where the mesh meets the skin.
+    pub skin_embedding: Rows<(u32, f64)>,
+}
+
+impl LayerMesh {
+    /// Volume of the tissue, m³: Σ volume · tissue fraction.
+    pub fn tissue_volume(&self) -> f64 {
+        (self.tissue_fraction.iter().enumerate())
+            .map(|(t, fraction)| fraction * self.mesh.volume(t))
+            .sum()
+    }
+
+    /// Checks lengths, indices and ranges for a skin of `skin_vertices` over `bones`.
+    pub fn validate(&self, skin_vertices: usize, bones: usize) -> Result<()> {
+        let nodes = self.mesh.nodes.len();
+        let check = |ok: bool, field: &str, problem: &str| {
+            ok.then_some(())
+                .ok_or_else(|| Error::invalid(field, problem))
+        };
+        check(
+            self.mesh
+                .tets
+                .iter()
+                .flatten()
+                .all(|&n| (n as usize) < nodes),
+            "layer.mesh",
+            "a tet names a node that is not there",
+        )?;
+        check(
+            (0..self.mesh.tets.len()).all(|t| self.mesh.volume(t) > 0.0),
+            "layer.mesh",
+            "holds a tet that is inverted, flat or not finite",
+        )?;
+        check(
+            self.tissue_fraction.len() == self.mesh.tets.len()
+                && self.tissue_fraction.iter().all(|&f| f > 0.0 && f <= 1.0),
+            "layer.tissue_fraction",
+            "one in (0, 1] is needed for each tet",
+        )?;
+        check(
+            self.bone_of_node.len() == nodes
+                && (self.bone_of_node.iter().flatten()).all(|&b| (b as usize) < bones),
+            "layer.bone_of_node",
+            "one bone at most, an existing one, is needed for each node",
+        )?;
+        self.skin_embedding
+            .validate("layer.skin_embedding", skin_vertices)?;
+        check(
+            (self.skin_embedding.entries().iter())
+                .all(|&(n, share)| (n as usize) < nodes && share.is_finite()),
+            "layer.skin_embedding",
+            "an entry names a node that is not there, or is not finite",
+        )
+    }
+}
+
+/// A skinned body with its meshed soft layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// What it is called in reports.
+    pub name: String,
+    /// Bones.
+    pub skeleton: Skeleton,
+    /// The skin that is drawn and touches, in the reference shape; welded. Closed unless the body
+    /// is a cut piece.
+    pub skin: Surface,
+    /// Bones of each skin vertex.
+    pub skinning: Rows<SkinWeight>,
+    /// Pose blend shapes at the skin vertices.
+    pub pose_blend: PoseBlend,
+    /// Closed surface of each bone, empty where it is not known; or no surface at all.
+    pub bone_surfaces: Vec<Surface>,
+    /// The tissue between bones and skin.
+    pub layer: LayerMesh,
+}
+
+impl Body {
+    /// Checks every length, index and number.
+    pub fn validate(&self) -> Result<()> {
+        self.skeleton.validate()?;
+        let (vertices, bones) = (self.skin.positions.len(), self.skeleton.len());
+        self.layer.validate(vertices, bones)?;
+        self.skinning.validate("skinning", vertices)?;
+        let check = |ok: bool, field: &str, problem: &str| {
+            ok.then_some(())
+                .ok_or_else(|| Error::invalid(field, problem))
+        };
+        check(
+            self.skin.positions.iter().all(|p| p.is_finite())
+                && (self.skin.triangles.iter().flatten()).all(|&v| (v as usize) < vertices),
+            "skin",
+            "holds a value that is not finite, or names a vertex that is not there",
+        )?;
+        check(
+            (self.skinning.entries().iter())
+                .all(|w| (w.bone as usize) < bones && w.weight.is_finite()),
+            "skinning",
+            "an entry names a bone that is not there, or is not finite",
+        )?;
+        check(
+            self.pose_blend.features.checked_mul(vertices) == Some(self.pose_blend.columns.len()),
+            "pose_blend",
+            "needs one column for each feature and skin vertex",
+        )?;
+        check(
+            self.bone_surfaces.is_empty() || self.bone_surfaces.len() == bones,
+            "bone_surfaces",
+            "one is needed for each bone, or none at all",
+        )
+    }
+}
