@@ -1,1 +1,15 @@
 //! Pictures, GLB and reports out.
+//!
+//! [`render`] draws [`Mesh`]es on the CPU, so that pictures come out without an adapter; [`Strip`] puts
+//! panels, captions and a [`Legend`] on one sheet.
+
+mod colour;
+mod image;
+mod raster;
+mod strip;
+mod text;
+
+pub use colour::{Colour, colour_map, from_srgb};
+pub use image::Image;
+pub use raster::{Camera, Mesh, Plane, Projection, View, render};
+pub use strip::{Legend, Panel, Strip};

@@ -1,0 +1,117 @@
+//! Colours in linear RGB, and the colour map of scalar fields.
+
+use std::sync::LazyLock;
+
+/// Linear RGB, each in 0..1.
+pub type Colour = [f32; 3];
+
+/// The linear colour of an sRGB one written `0xRRGGBB` (IEC 61966-2-1).
+pub fn from_srgb(hex: u32) -> Colour {
+    [16, 8, 0].map(|shift| {
+        let c = ((hex >> shift) & 0xff) as f32 / 255.0;
+        if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }
+    })
+}
+
+/// The sRGB bytes of a linear colour, clamped to 0..1.
+pub(super) fn to_srgb(colour: Colour) -> [u8; 3] {
+    colour.map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        let encoded = if c <= 0.003_130_8 {
+            12.92 * c
+        } else {
+            1.055 * c.powf(1.0 / 2.4) - 0.055
+        };
+        (255.0 * encoded).round() as u8
+    })
+}
+
+/// `a (1 − t) + b t`.
+pub(super) fn mix(a: Colour, b: Colour, t: f32) -> Colour {
+    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
+}
+
+/// The colour of `t` in 0..1 (clamped), from cream (nothing) through orange and crimson to dark violet.
+///
+/// A cubic Bézier curve in OKLab (Ottosson 2020) whose lightness falls linearly, walked at constant
+/// speed, so that equal steps of `t` look equally large.
+pub fn colour_map(t: f64) -> Colour {
+    const STEPS: usize = 256;
+    /// `[L, a, b]` control points.
+    const CONTROL: [[f64; 3]; 4] = [
+        [0.930, 0.008, 0.028],
+        [0.727, 0.105, 0.225],
+        [0.523, 0.330, 0.030],
+        [0.320, 0.075, -0.125],
+    ];
+    static TABLE: LazyLock<Vec<Colour>> = LazyLock::new(|| {
+        let at = |t: f64| -> [f64; 3] {
+            let s = 1.0 - t;
+            let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+            std::array::from_fn(|k| (0..4).map(|c| weights[c] * CONTROL[c][k]).sum())
+        };
+        const FINE: usize = 16 * STEPS;
+        let points: Vec<_> = (0..=FINE).map(|i| at(i as f64 / FINE as f64)).collect();
+        let mut length = vec![0.0];
+        for pair in points.windows(2) {
+            let step: f64 = (0..3).map(|k| (pair[1][k] - pair[0][k]).powi(2)).sum();
+            length.push(length[length.len() - 1] + step.sqrt());
+        }
+        (0..=STEPS)
+            .map(|i| {
+                let wanted = length[FINE] * i as f64 / STEPS as f64;
+                oklab_to_rgb(points[length.partition_point(|&l| l < wanted).min(FINE)])
+            })
+            .collect()
+    });
+    let place = t.clamp(0.0, 1.0) * STEPS as f64;
+    let below = (place as usize).min(STEPS - 1);
+    mix(
+        TABLE[below],
+        TABLE[below + 1],
+        (place - below as f64) as f32,
+    )
+}
+
+/// Linear RGB of OKLab (Björn Ottosson, "A perceptual color space for image processing", 2020).
+fn oklab_to_rgb([l, a, b]: [f64; 3]) -> Colour {
+    let long = (l + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
+    let medium = (l - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
+    let short = (l - 0.089_484_177_5 * a - 1.291_485_548_0 * b).powi(3);
+    [
+        4.076_741_662_1 * long - 3.307_711_591_3 * medium + 0.230_969_929_2 * short,
+        -1.268_438_004_6 * long + 2.609_757_401_1 * medium - 0.341_319_396_5 * short,
+        -0.004_196_086_3 * long - 0.703_418_614_7 * medium + 1.707_614_701_0 * short,
+    ]
+    .map(|c: f64| c.clamp(0.0, 1.0) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_bytes_survive_the_round_trip() {
+        for byte in 0..=255u32 {
+            assert_eq!(to_srgb(from_srgb(byte * 0x010101)), [byte as u8; 3]);
+        }
+    }
+
+    #[test]
+    fn the_map_darkens_all_the_way() {
+        let luminance = |t: f64| {
+            let [r, g, b] = colour_map(t);
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        for i in 0..64 {
+            let t = f64::from(i) / 64.0;
+            assert!(luminance(t) > luminance(t + 1.0 / 64.0), "at {t}");
+        }
+        assert_eq!(colour_map(-1.0), colour_map(0.0));
+        assert_eq!(colour_map(f64::NAN), colour_map(0.0));
+    }
+}

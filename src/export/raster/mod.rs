@@ -1,0 +1,11 @@
+//! A small rasteriser: z-buffer, smooth normals, and light from a dome of shadow-mapped lamps.
+
+mod camera;
+mod depth;
+mod light;
+mod mesh;
+mod render;
+
+pub use camera::{Camera, Projection};
+pub use mesh::{Mesh, Plane};
+pub use render::{View, render};
