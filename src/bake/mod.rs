@@ -1,1 +1,8 @@
 //! Offline: mesh → basis → cubature → one baked avatar.
+
+mod biharmonic;
+
+pub use biharmonic::{BiharmonicSystem, Constraints, biharmonic_energy};
+
+#[cfg(test)]
+mod test_mesh;

@@ -1,13 +1,16 @@
-//! Small dense algebra: rotations, 3×3 decompositions, 9×9 tangents, compressed rows.
+//! Small dense algebra: rotations, 3×3 decompositions, 9×9 tangents, compressed rows, sparse
+//! systems.
 
 mod decomposition;
 mod parallel;
 mod rotation;
 mod rows;
+mod sparse;
 mod tensor;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
 pub use parallel::{par_each, par_map};
 pub use rotation::{rotation_exp, rotation_log, skew};
 pub use rows::Rows;
+pub use sparse::{DenseFactor, SparseFactor, SparseSymmetric};
 pub use tensor::{Mat9, Vec9, flatten, unflatten};

@@ -1,0 +1,367 @@
+//! The sparse biharmonic basis (Wang, Jacobson, Barbič and Kavan 2015), in its facet form.
+
+use crate::math::{DenseFactor, Rows, SparseFactor, SparseSymmetric};
+use crate::model::TetMesh;
+use crate::{Error, Result};
+use std::collections::HashMap;
+
+/// A linear condition on the nodes: Σ share · u = value. A node has one share of 1, a point inside
+/// a tet its four barycentric coordinates.
+pub type Constraints = Rows<(u32, f64)>;
+
+/// The squared jump of ∂u/∂n over interior faces, as entries (row ≥ column) of
+///
+/// A = Σ_f (1/m_f) r_f r_fᵀ,  m_f = (vol₁ + vol₂)/4,
+/// r_f\[j\] = Σ over the two tets t of f of 3 vol_t ∇λ_{t,opp(f)} · ∇λ_{t,j}.
+///
+/// This is libigl's `biharmonic_coordinates` with k = 2; the vertex form printed in the paper
+/// carries an erratum. Its null space is the affine functions, on every part of the mesh whose
+/// tets hang together by faces. Unit: 1/m.
+pub fn biharmonic_energy(mesh: &TetMesh) -> Vec<(u32, u32, f64)> {
+    let mut entries = Vec::with_capacity(mesh.tets.len() * 32);
+    for [first, second] in interior_faces(mesh) {
+        let mut nodes = [0u32; 5];
+        let mut jump = [0.0; 5];
+        let mut volume = 0.0;
+        for (side, (tet, opposite)) in [first, second].into_iter().enumerate() {
+            let gradients = mesh.barycentric_gradients(tet);
+            let tet_volume = mesh.volume(tet);
+            volume += tet_volume;
+            for (corner, &node) in mesh.tets[tet].iter().enumerate() {
+                // Slots 0..4 are the first tet's corners; 4 is the second's own corner.
+                let slot = match side {
+                    0 => corner,
+                    _ => nodes[..4].iter().position(|&n| n == node).unwrap_or(4),
+                };
+                nodes[slot] = node;
+                jump[slot] += 3.0 * tet_volume * gradients[opposite].dot(gradients[corner]);
+            }
+        }
+        let mass = volume / 4.0;
+        for (i, &row) in nodes.iter().enumerate() {
+            for (j, &column) in nodes.iter().enumerate() {
+                if row >= column {
+                    entries.push((row, column, jump[i] * jump[j] / mass));
+                }
+            }
+        }
+    }
+    entries
+}
+
+/// The faces between two tets: (tet, opposite corner) of each side, in the order of the tets.
+fn interior_faces(mesh: &TetMesh) -> Vec<[(usize, usize); 2]> {
+    let mut open = HashMap::with_capacity(mesh.tets.len() * 2);
+    let mut faces = Vec::with_capacity(mesh.tets.len() * 2);
+    for tet in 0..mesh.tets.len() {
+        for (corner, mut face) in mesh.faces(tet).into_iter().enumerate() {
+            face.sort_unstable();
+            match open.remove(&face) {
+                Some(first) => faces.push([first, (tet, corner)]),
+                None => {
+                    open.insert(face, (tet, corner));
+                }
+            }
+        }
+    }
+    faces
+}
+
+/// Minimises ½ uᵀ A u where fixed nodes and constraints have given values.
+///
+/// With K = A + ρ CᵀC over the free nodes (definite where fixed nodes and constraints span the
+/// affine functions, with the same constrained minimum and no more fill, since a row of C stays in
+/// one tet), u = K⁻¹ (f + Cᵀ S⁻¹ (c − C K⁻¹ f)), S = C K⁻¹ Cᵀ, f = −A_bᵀ u_b of the
+/// fixed nodes b.
+#[derive(Debug)]
+pub struct BiharmonicSystem {
+    /// Column of each node in the system; `None` where it is fixed.
+    column_of_node: Vec<Option<u32>>,
+    /// Number of columns.
+    free: usize,
+    /// Energy entries between a free and a fixed node: (free column, fixed node, value).
+    coupling: Vec<(u32, u32, f64)>,
+    /// Shares of each constraint on free nodes, by column.
+    constraints: Constraints,
+    /// The same on fixed nodes, by node.
+    constraints_on_fixed: Constraints,
+    factor: SparseFactor,
+    /// S.
+    schur: DenseFactor,
+}
+
+impl BiharmonicSystem {
+    const NAME: &'static str = "biharmonic basis";
+
+    /// Factors the system of `mesh` with the nodes of `fixed` held.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where a length or index is off; [`Error::Solve`] where the fixed nodes and
+    /// constraints do not determine the mesh, or repeat one another.
+    pub fn new(mesh: &TetMesh, fixed: &[bool], constraints: &Constraints) -> Result<Self> {
+        let nodes = mesh.nodes.len();
+        if fixed.len() != nodes {
+            return Err(Error::invalid("fixed", "one flag is needed for each node"));
+        }
+        if constraints.entries().iter().any(|e| e.0 as usize >= nodes) {
+            return Err(Error::invalid(
+                "constraints",
+                "names a node that is not there",
+            ));
+        }
+        let mut free = 0;
+        let column_of_node: Vec<Option<u32>> = fixed
+            .iter()
+            .map(|&f| {
+                (!f).then(|| {
+                    free += 1;
+                    free - 1
+                })
+            })
+            .collect();
+        let part = |on_fixed: bool| -> Constraints {
+            constraints
+                .iter()
+                .map(|row| {
+                    row.iter().filter_map(|&(node, share)| {
+                        match (column_of_node[node as usize], on_fixed) {
+                            (Some(column), false) => Some((column, share)),
+                            (None, true) => Some((node, share)),
+                            _ => None,
+                        }
+                    })
+                })
+                .collect()
+        };
+        let (constraints, constraints_on_fixed) = (part(false), part(true));
+
+        let mut coupling = Vec::new();
+        let mut entries = Vec::new();
+        let mut trace = 0.0;
+        for (row, column, value) in biharmonic_energy(mesh) {
+            match (
+                column_of_node[row as usize],
+                column_of_node[column as usize],
+            ) {
+                (Some(r), Some(c)) => {
+                    trace += if r == c { value } else { 0.0 };
+                    entries.push((r, c, value));
+                }
+                (Some(r), None) => coupling.push((r, column, value)),
+                (None, Some(c)) => coupling.push((c, row, value)),
+                (None, None) => {}
+            }
+        }
+        let penalty = trace / f64::from(free.max(1));
+        for row in constraints.iter() {
+            for &(i, share_i) in row {
+                for &(j, share_j) in row.iter().filter(|e| e.0 <= i) {
+                    entries.push((i, j, penalty * share_i * share_j));
+                }
+            }
+        }
+        let matrix = SparseSymmetric::from_entries(free as usize, &entries);
+        drop(entries);
+        let factor = SparseFactor::new(&matrix, Self::NAME)?;
+        let schur = factor.solve_each(
+            constraints.len(),
+            |i, b| scatter(constraints.row(i), 1.0, b),
+            |_, z| gather(&constraints, z),
+        );
+        let schur = DenseFactor::new(&schur, "constraints of the biharmonic basis")?;
+        Ok(Self {
+            column_of_node,
+            free: free as usize,
+            coupling,
+            constraints,
+            constraints_on_fixed,
+            factor,
+            schur,
+        })
+    }
+
+    /// The minimiser (one value a node) with `fixed_values` at the fixed nodes (other entries are
+    /// not read) and `values` at the constraints.
+    pub fn minimise(&self, fixed_values: &[f64], values: &[f64]) -> Vec<f64> {
+        let mut load = vec![0.0; self.free];
+        for &(column, node, value) in &self.coupling {
+            load[column as usize] -= value * fixed_values[node as usize];
+        }
+        let unconstrained = self.factor.solve(&load);
+        let missing: Vec<f64> = gather(&self.constraints, &unconstrained)
+            .into_iter()
+            .zip(gather(&self.constraints_on_fixed, fixed_values))
+            .zip(values)
+            .map(|((reached, held), value)| value - held - reached)
+            .collect();
+        let multipliers = self.schur.solve(&missing);
+        for (row, multiplier) in self.constraints.iter().zip(multipliers) {
+            scatter(row, multiplier, &mut load);
+        }
+        self.on_nodes(&self.factor.solve(&load), fixed_values)
+    }
+
+    /// Column h is 1 at constraint h and 0 at the others and at the fixed nodes: one column a
+    /// constraint, one value a node.
+    pub fn basis(&self) -> Vec<Vec<f64>> {
+        let count = self.constraints.len();
+        let zeros = vec![0.0; self.column_of_node.len()];
+        self.factor.solve_each(
+            count,
+            |h, load| {
+                let mut unit = vec![0.0; count];
+                unit[h] = 1.0;
+                for (row, multiplier) in self.constraints.iter().zip(self.schur.solve(&unit)) {
+                    scatter(row, multiplier, load);
+                }
+            },
+            |_, u| self.on_nodes(u, &zeros),
+        )
+    }
+
+    /// The multipliers w of \[A Cᵀ; C 0\] \[x; w\] = \[m; 0\]: each constraint's integral of its
+    /// column of [`BiharmonicSystem::basis`] against the nodal measure `m` (free nodes only).
+    pub fn integrals(&self, measure: &[f64]) -> Vec<f64> {
+        let mut load = vec![0.0; self.free];
+        for (column, &m) in self.column_of_node.iter().zip(measure) {
+            if let Some(c) = column {
+                load[*c as usize] = m;
+            }
+        }
+        self.schur
+            .solve(&gather(&self.constraints, &self.factor.solve(&load)))
+    }
+
+    fn on_nodes(&self, u: &[f64], fixed_values: &[f64]) -> Vec<f64> {
+        self.column_of_node
+            .iter()
+            .zip(fixed_values)
+            .map(|(column, &held)| column.map_or(held, |c| u[c as usize]))
+            .collect()
+    }
+}
+
+/// x += scale · Cᵀ row.
+pub(super) fn scatter(row: &[(u32, f64)], scale: f64, x: &mut [f64]) {
+    row.iter()
+        .for_each(|&(i, share)| x[i as usize] += scale * share);
+}
+
+/// C x.
+pub(super) fn gather(constraints: &Constraints, x: &[f64]) -> Vec<f64> {
+    let sum = |row: &[(u32, f64)]| row.iter().map(|&(i, share)| share * x[i as usize]).sum();
+    constraints.iter().map(sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::test_mesh::{Random, jittered_box};
+    use glam::DVec3;
+
+    /// A box whose lowest layer of nodes is bone, with handles at nodes and inside tets.
+    fn sample(seed: u64) -> (TetMesh, Vec<bool>, Constraints) {
+        let mesh = jittered_box([5, 4, 3], 0.01, 0.15, seed);
+        let fixed: Vec<bool> = (0..mesh.nodes.len()).map(|n| n < 6 * 5).collect();
+        let mut random = Random(seed + 1);
+        let mut constraints = Constraints::default();
+        let nodes = mesh.nodes.len();
+        for third in 0..4 {
+            // Spread over the upper layers, so that no node is drawn twice.
+            let node = 30 + third * 22 + (random.unit() * 22.0) as usize;
+            constraints.push([(node.min(nodes - 1) as u32, 1.0)]);
+        }
+        for part in 0..4 {
+            let tet = (part as f64 + random.unit()) / 4.0 * mesh.tets.len() as f64;
+            let mut shares = [0; 4].map(|_| 0.1 + random.unit());
+            let sum: f64 = shares.iter().sum();
+            shares.iter_mut().for_each(|s| *s /= sum);
+            constraints.push(mesh.tets[tet as usize].into_iter().zip(shares));
+        }
+        (mesh, fixed, constraints)
+    }
+
+    fn energy(mesh: &TetMesh) -> SparseSymmetric {
+        SparseSymmetric::from_entries(mesh.nodes.len(), &biharmonic_energy(mesh))
+    }
+
+    #[test]
+    fn null_space_is_exactly_the_affine_functions() {
+        let mesh = jittered_box([2, 2, 2], 0.01, 0.2, 7);
+        let a = energy(&mesh);
+        let scale = a.entries().fold(0.0, |m: f64, e| m.max(e.2.abs()));
+        for affine in [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z] {
+            let u: Vec<f64> = mesh
+                .nodes
+                .iter()
+                .map(|x| 1.0 + 100.0 * affine.dot(*x))
+                .collect();
+            let residual = a.multiply(&u).iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+            assert!(
+                residual <= 1e-12 * scale,
+                "A u = {residual:e}, |A| = {scale:e}"
+            );
+        }
+        // Nothing else: A has rank nodes − 4.
+        let n = mesh.nodes.len();
+        let mut dense = faer::Mat::zeros(n, n);
+        for (i, j, v) in a.entries() {
+            dense[(i, j)] = v;
+            dense[(j, i)] = v;
+        }
+        let values = dense.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+        assert!(values[3].abs() < 1e-10 * scale, "{:e}", values[3]);
+        assert!(values[4] > 1e-4 * scale, "{:e} of {scale:e}", values[4]);
+    }
+
+    #[test]
+    fn basis_interpolates_and_vanishes_at_bones() {
+        let (mesh, fixed, constraints) = sample(3);
+        let basis = BiharmonicSystem::new(&mesh, &fixed, &constraints)
+            .unwrap()
+            .basis();
+        for (h, column) in basis.iter().enumerate() {
+            for (k, reached) in gather(&constraints, column).into_iter().enumerate() {
+                let expected = f64::from(u8::from(h == k));
+                assert!(
+                    (reached - expected).abs() < 1e-10,
+                    "U_{h} at {k}: {reached}"
+                );
+            }
+            assert!((0..fixed.len()).all(|n| !fixed[n] || column[n] == 0.0));
+        }
+    }
+
+    #[test]
+    fn partition_and_linear_precision_with_the_bones_affine_columns() {
+        for seed in [11, 12, 13] {
+            let (mesh, fixed, constraints) = sample(seed);
+            let system = BiharmonicSystem::new(&mesh, &fixed, &constraints).unwrap();
+            let basis = system.basis();
+            let nodes = mesh.nodes.len();
+            // The column of a bone's affine map: it at the bone's nodes, 0 at the handles.
+            let precision = |f: &dyn Fn(DVec3) -> f64| {
+                let on_nodes: Vec<f64> = mesh.nodes.iter().map(|x| f(*x)).collect();
+                let mut sum = system.minimise(&on_nodes, &vec![0.0; constraints.len()]);
+                for (column, at_handle) in basis.iter().zip(gather(&constraints, &on_nodes)) {
+                    (0..nodes).for_each(|n| sum[n] += column[n] * at_handle);
+                }
+                (0..nodes).fold(0.0, |m: f64, n| m.max((sum[n] - on_nodes[n]).abs()))
+            };
+            assert!(precision(&|_| 1.0) < 1e-9, "{:e}", precision(&|_| 1.0));
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                // Extents are 0.05: in units of the box, like the partition.
+                let error = precision(&|x| 20.0 * axis.dot(x));
+                assert!(error < 1e-9, "seed {seed}, {axis}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_constraints_are_a_typed_error() {
+        let (mesh, _, constraints) = sample(5);
+        let three: Constraints = constraints.iter().take(3).map(|r| r.to_vec()).collect();
+        let error = BiharmonicSystem::new(&mesh, &vec![false; mesh.nodes.len()], &three);
+        assert!(matches!(error, Err(Error::Solve { .. })), "{error:?}");
+    }
+}
