@@ -51,7 +51,50 @@ pub enum Error {
     },
     /// The graphics device refused, is missing or was lost.
     #[error("GPU: {0}")]
-    Gpu(String),
+    Gpu(#[from] GpuError),
+}
+
+/// What can go wrong between the library and a graphics device.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No adapter fits the choice.
+    #[error("no adapter: {0}")]
+    NoAdapter(String),
+    /// The adapter refused to make a device.
+    #[error("the adapter made no device: {0}")]
+    NoDevice(String),
+    /// The device was lost, or a buffer could not be read back; make a new device and a new potential.
+    #[error("device lost: {0}")]
+    DeviceLost(String),
+    /// A kernel does not compile.
+    #[error("kernel {kernel}: {message}")]
+    Shader {
+        /// The kernel.
+        kernel: String,
+        /// What the compiler said, with the line.
+        message: String,
+    },
+    /// A kernel names a buffer that it was not given.
+    #[error("kernel {kernel}: nothing is bound to `{binding}`")]
+    MissingBuffer {
+        /// The kernel.
+        kernel: String,
+        /// The name in the kernel's text.
+        binding: String,
+    },
+    /// More is needed than the device or the options allow.
+    #[error("{what}: {needed} needed, {limit} allowed; {cure}")]
+    Limit {
+        /// What is too large.
+        what: String,
+        /// How much is needed.
+        needed: u64,
+        /// How much there may be.
+        limit: u64,
+        /// What to change.
+        cure: &'static str,
+    },
 }
 
 impl Error {

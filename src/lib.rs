@@ -38,7 +38,7 @@ pub mod skeleton;
 #[cfg(feature = "gpu")]
 pub mod stage;
 
-pub use error::{Error, Result};
+pub use error::{Error, GpuError, Result};
 pub use glam;
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -1,1 +1,18 @@
 //! Plumbing that knows no physics: device, kernel, buffers, readback.
+
+mod buffer;
+mod device;
+mod kernel;
+mod layout;
+mod readback;
+
+pub use buffer::Buffer;
+pub use device::{
+    AdapterChoice, AdapterDescription, AdapterKind, GpuDevice, adapters, required_features,
+    required_limits,
+};
+pub use kernel::{Bindings, Kernel, Module};
+pub use layout::{HostShareable, StructLayout};
+pub use readback::{Readback, Waiting};
+
+pub(crate) use layout::host_shareable;
