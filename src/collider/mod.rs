@@ -1,10 +1,18 @@
 //! What an avatar touches: one file a shape with its signed distance and outward normal in f64, and
 //! the name of its kernel.
 
+mod r#box;
+mod capsule;
+mod cylinder;
+mod half_space;
+mod sphere;
+
 use crate::model::Frame;
+use crate::{Error, Result};
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// The shape of a collider, in its own frame, m. A new shape is one file, its kernel, and a line here.
+/// The shape of a collider, in its own frame, m. A new shape is one file, its kernel, and its lines here.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "shape", rename_all = "snake_case")]
 pub enum Shape {
@@ -36,6 +44,137 @@ pub enum Shape {
     },
 }
 
+/// Where a point stands to a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SignedDistance {
+    /// d, m: negative inside.
+    pub distance: f64,
+    /// ∇d: the outward unit normal. Where d has a crease (an axis, a medial plane) one side's is taken.
+    pub normal: DVec3,
+}
+
+impl Shape {
+    /// One of each shape, in the order of [`Shape::index`]: what loops over all shapes loops over.
+    pub fn examples() -> Vec<Self> {
+        vec![
+            Self::HalfSpace,
+            Self::Sphere { radius: 0.03 },
+            Self::Capsule {
+                radius: 0.01,
+                half_length: 0.03,
+            },
+            Self::Cylinder {
+                radius: 0.008,
+                half_length: 0.05,
+            },
+            Self::Box {
+                half_extents: [0.02, 0.03, 0.01],
+            },
+        ]
+    }
+
+    /// Number of the shape, by which the kernel switches.
+    pub fn index(&self) -> u32 {
+        match self {
+            Self::HalfSpace => 0,
+            Self::Sphere { .. } => 1,
+            Self::Capsule { .. } => 2,
+            Self::Cylinder { .. } => 3,
+            Self::Box { .. } => 4,
+        }
+    }
+
+    /// Its sizes as the kernel reads them.
+    pub fn parameters(&self) -> [f32; 4] {
+        match *self {
+            Self::HalfSpace => [0.0; 4],
+            Self::Sphere { radius } => [radius as f32, 0.0, 0.0, 0.0],
+            Self::Capsule {
+                radius,
+                half_length,
+            }
+            | Self::Cylinder {
+                radius,
+                half_length,
+            } => [radius as f32, half_length as f32, 0.0, 0.0],
+            Self::Box {
+                half_extents: [x, y, z],
+            } => [x as f32, y as f32, z as f32, 0.0],
+        }
+    }
+
+    /// File of the kernel under `kernels/`.
+    pub fn kernel(&self) -> &'static str {
+        match self {
+            Self::HalfSpace => "collider/half_space.wgsl",
+            Self::Sphere { .. } => "collider/sphere.wgsl",
+            Self::Capsule { .. } => "collider/capsule.wgsl",
+            Self::Cylinder { .. } => "collider/cylinder.wgsl",
+            Self::Box { .. } => "collider/box.wgsl",
+        }
+    }
+
+    /// Distance and normal at `point` of the shape's own frame.
+    pub fn signed_distance(&self, point: DVec3) -> SignedDistance {
+        match *self {
+            Self::HalfSpace => half_space::signed_distance(point),
+            Self::Sphere { radius } => sphere::signed_distance(radius, point),
+            Self::Capsule {
+                radius,
+                half_length,
+            } => capsule::signed_distance(radius, half_length, point),
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => cylinder::signed_distance(radius, half_length, point),
+            Self::Box { half_extents } => {
+                r#box::signed_distance(DVec3::from_array(half_extents), point)
+            }
+        }
+    }
+
+    /// ∇²d at `point` of the shape's own frame, 1/m; 0 where it is singular.
+    pub fn curvature(&self, point: DVec3) -> DMat3 {
+        match *self {
+            Self::HalfSpace => DMat3::ZERO,
+            Self::Sphere { .. } => sphere::curvature(point),
+            Self::Capsule { half_length, .. } => capsule::curvature(half_length, point),
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => cylinder::curvature(radius, half_length, point),
+            Self::Box { half_extents } => r#box::curvature(DVec3::from_array(half_extents), point),
+        }
+    }
+
+    /// Checks the sizes.
+    pub fn validate(&self) -> Result<()> {
+        let sizes: &[(&str, f64)] = match self {
+            Self::HalfSpace => &[],
+            Self::Sphere { radius } => &[("radius", *radius)],
+            Self::Capsule {
+                radius,
+                half_length,
+            }
+            | Self::Cylinder {
+                radius,
+                half_length,
+            } => &[("radius", *radius), ("half_length", *half_length)],
+            Self::Box {
+                half_extents: [x, y, z],
+            } => &[
+                ("half_extents[0]", *x),
+                ("half_extents[1]", *y),
+                ("half_extents[2]", *z),
+            ],
+        };
+        for (field, size) in sizes {
+            positive(&format!("collider.shape.{field}"), *size, "m")?;
+        }
+        Ok(())
+    }
+}
+
 /// A rigid solid that the skin cannot enter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collider {
@@ -50,3 +189,93 @@ pub struct Collider {
     /// d̂: distance at which contact begins, m.
     pub margin: f64,
 }
+
+impl Collider {
+    /// Distance and normal at a world point, the collider standing at the end of the step.
+    pub fn signed_distance(&self, point: DVec3) -> SignedDistance {
+        let local = self
+            .shape
+            .signed_distance(self.frame.inverse_transform(point));
+        SignedDistance {
+            distance: local.distance,
+            normal: self.frame.rotation * local.normal,
+        }
+    }
+
+    /// ∇²d at a world point, 1/m.
+    pub fn curvature(&self, point: DVec3) -> DMat3 {
+        let r = self.frame.rotation;
+        r * self.shape.curvature(self.frame.inverse_transform(point)) * r.transpose()
+    }
+
+    /// The collider seen from `origin`: both frames shifted by −origin.
+    pub fn relative_to(&self, origin: DVec3) -> Self {
+        let shifted = |frame: Frame| Frame {
+            position: frame.position - origin,
+            ..frame
+        };
+        Self {
+            frame: shifted(self.frame),
+            previous: shifted(self.previous),
+            ..*self
+        }
+    }
+
+    /// Checks sizes, frames, stiffness and margin.
+    pub fn validate(&self) -> Result<()> {
+        self.shape.validate()?;
+        for (field, frame) in [
+            ("collider.frame", self.frame),
+            ("collider.previous", self.previous),
+        ] {
+            let r = frame.rotation;
+            let skewness = (r.transpose() * r - DMat3::IDENTITY).to_cols_array();
+            let is_rotation =
+                skewness.iter().all(|s| s.abs() < 1e-6) && (r.determinant() - 1.0).abs() < 1e-6;
+            if !(is_rotation && frame.position.is_finite()) {
+                return Err(Error::invalid(field, "is not a finite rigid placement"));
+            }
+        }
+        positive("collider.stiffness", self.stiffness, "Pa/m")?;
+        if !(self.margin >= 0.0 && self.margin.is_finite()) {
+            return Err(Error::invalid(
+                "collider.margin",
+                format!("{}; must be zero or positive (m)", self.margin),
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn positive(field: &str, value: f64, unit: &str) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        field,
+        format!("{value}; must be positive ({unit})"),
+    ))
+}
+
+/// Length and direction of `v`, without overflow or underflow; along `fallback` where v = 0.
+fn length_and_direction(v: DVec3, fallback: DVec3) -> (f64, DVec3) {
+    let scale = v.abs().max_element();
+    if scale < f64::MIN_POSITIVE {
+        return (0.0, fallback);
+    }
+    let scaled = v / scale;
+    let length = scaled.length();
+    (scale * length, scaled / length)
+}
+
+/// (I − n nᵀ)/r: how the normal n turns on a ball of radius r; 0 at its centre.
+fn ball_curvature(normal: DVec3, radius: f64) -> DMat3 {
+    if radius <= 0.0 {
+        return DMat3::ZERO;
+    }
+    let outer = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+    (DMat3::IDENTITY - outer) * radius.recip()
+}
+
+#[cfg(test)]
+mod tests;

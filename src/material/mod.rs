@@ -10,8 +10,35 @@ use crate::math::Mat9;
 use glam::DMat3;
 use serde::{Deserialize, Serialize};
 
+/// What a hyperelastic material answers at one deformation gradient F.
+pub trait Hyperelastic {
+    /// Checks the parameters; an error names the one at fault.
+    fn validate(&self) -> Result<()>;
+
+    /// Ψ(F), Pa; 0 at rest.
+    fn energy_density(&self, deformation_gradient: DMat3) -> f64;
+
+    /// Ψ(F + ΔF) − Ψ(F), Pa, summed from terms that each vanish with ΔF.
+    fn energy_difference(&self, deformation_gradient: DMat3, change: DMat3) -> f64;
+
+    /// P = ∂Ψ/∂F, Pa.
+    fn pk1_stress(&self, deformation_gradient: DMat3) -> DMat3;
+
+    /// C = ∂P/∂F, Pa.
+    fn tangent(&self, deformation_gradient: DMat3) -> Mat9;
+
+    /// [`Hyperelastic::tangent`] with its negative eigenvalues set to 0, Pa.
+    fn projected_tangent(&self, deformation_gradient: DMat3) -> Mat9;
+
+    /// What the kernel reads, in the order it names them.
+    fn parameters(&self) -> [f64; 4];
+
+    /// File of the kernel under `kernels/`.
+    fn kernel(&self) -> &'static str;
+}
+
 /// A hyperelastic energy density of the deformation gradient. A new material is one file, its
-/// kernel, and a line in [`Material`].
+/// kernel, and its lines in this enum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "snake_case")]
 pub enum Material {
@@ -20,28 +47,57 @@ pub enum Material {
 }
 
 impl Material {
-    /// Checks the parameters.
-    pub fn validate(&self) -> Result<()> {
-        todo!()
+    /// One of each material with tissue-like parameters: what loops over all materials loops over.
+    pub fn examples() -> Vec<Self> {
+        vec![Self::StableNeoHookean(StableNeoHookean {
+            youngs_modulus: 3e4,
+            poissons_ratio: 0.45,
+        })]
     }
 
-    /// Ψ(F), Pa.
-    pub fn energy_density(&self, _deformation_gradient: DMat3) -> f64 {
-        todo!()
+    fn model(&self) -> &dyn Hyperelastic {
+        match self {
+            Self::StableNeoHookean(model) => model,
+        }
+    }
+
+    /// Checks the parameters; an error names the one at fault.
+    pub fn validate(&self) -> Result<()> {
+        self.model().validate()
+    }
+
+    /// Ψ(F), Pa; 0 at rest.
+    pub fn energy_density(&self, deformation_gradient: DMat3) -> f64 {
+        self.model().energy_density(deformation_gradient)
+    }
+
+    /// Ψ(F + ΔF) − Ψ(F), Pa, summed from terms that each vanish with ΔF.
+    pub fn energy_difference(&self, deformation_gradient: DMat3, change: DMat3) -> f64 {
+        self.model().energy_difference(deformation_gradient, change)
     }
 
     /// P = ∂Ψ/∂F, Pa.
-    pub fn pk1_stress(&self, _deformation_gradient: DMat3) -> DMat3 {
-        todo!()
+    pub fn pk1_stress(&self, deformation_gradient: DMat3) -> DMat3 {
+        self.model().pk1_stress(deformation_gradient)
     }
 
     /// C = ∂P/∂F, Pa.
-    pub fn tangent(&self, _deformation_gradient: DMat3) -> Mat9 {
-        todo!()
+    pub fn tangent(&self, deformation_gradient: DMat3) -> Mat9 {
+        self.model().tangent(deformation_gradient)
     }
 
     /// [`Material::tangent`] with its negative eigenvalues set to 0, Pa.
-    pub fn projected_tangent(&self, _deformation_gradient: DMat3) -> Mat9 {
-        todo!()
+    pub fn projected_tangent(&self, deformation_gradient: DMat3) -> Mat9 {
+        self.model().projected_tangent(deformation_gradient)
+    }
+
+    /// What the kernel reads, in the order it names them.
+    pub fn parameters(&self) -> [f64; 4] {
+        self.model().parameters()
+    }
+
+    /// File of the kernel under `kernels/`.
+    pub fn kernel(&self) -> &'static str {
+        self.model().kernel()
     }
 }

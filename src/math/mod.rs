@@ -3,6 +3,7 @@
 
 mod decomposition;
 mod parallel;
+mod random;
 mod rotation;
 mod rows;
 mod sparse;
@@ -10,7 +11,8 @@ mod tensor;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
 pub use parallel::{par_each, par_map};
+pub use random::Random;
 pub use rotation::{rotation_exp, rotation_log, skew};
 pub use rows::Rows;
 pub use sparse::{DenseFactor, SparseFactor, SparseSymmetric};
-pub use tensor::{Mat9, Vec9, flatten, unflatten};
+pub use tensor::{Mat9, Vec9, cofactor, contract, double_dot, flatten, unflatten};

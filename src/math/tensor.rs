@@ -17,3 +17,25 @@ pub fn flatten(m: DMat3) -> Vec9 {
 pub fn unflatten(v: &Vec9) -> DMat3 {
     DMat3::from_cols_array(v)
 }
+
+/// A : B = Σ A_ij B_ij.
+pub fn double_dot(a: DMat3, b: DMat3) -> f64 {
+    a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis) + a.z_axis.dot(b.z_axis)
+}
+
+/// cof M = ∂ det M/∂M, which is det(M) M⁻ᵀ where that exists.
+pub fn cofactor(m: DMat3) -> DMat3 {
+    DMat3::from_cols(
+        m.y_axis.cross(m.z_axis),
+        m.z_axis.cross(m.x_axis),
+        m.x_axis.cross(m.y_axis),
+    )
+}
+
+/// C : D, the matrix with vec(C : D) = C vec(D).
+pub fn contract(c: &Mat9, d: DMat3) -> DMat3 {
+    let d = flatten(d);
+    unflatten(&std::array::from_fn(|i| {
+        (0..9).map(|j| c[i][j] * d[j]).sum()
+    }))
+}
