@@ -5,11 +5,15 @@
 
 mod colour;
 mod image;
+mod obj;
 mod raster;
+mod smpl;
 mod strip;
 mod text;
 
 pub use colour::{Colour, colour_map, from_srgb};
 pub use image::Image;
+pub use obj::write_obj;
 pub use raster::{Camera, Mesh, Plane, Projection, View, render};
+pub use smpl::write_smpl;
 pub use strip::{Legend, Panel, Strip};

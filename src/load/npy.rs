@@ -1,0 +1,396 @@
+//! NumPy's array format: `.npy` members of an `.npz` archive.
+//!
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>. Read here because sizes must be
+//! checked before anything is multiplied or allocated.
+
+use crate::{Error, Result};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+
+/// Largest archive content that is read, bytes.
+const LARGEST_ARCHIVE: u64 = 1 << 30;
+
+/// An array of numbers or of texts, in C order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Array {
+    pub shape: Vec<usize>,
+    pub numbers: Vec<f64>,
+    pub texts: Vec<String>,
+}
+
+/// The arrays of an `.npz` archive.
+pub(crate) struct Archive {
+    path: PathBuf,
+    arrays: BTreeMap<String, Array>,
+}
+
+impl Archive {
+    /// Reads those of the `wanted` arrays that are in the archive at `path`.
+    pub fn read(path: &Path, wanted: &[&str]) -> Result<Self> {
+        let io = |e| Error::io(path, e);
+        let broken = |field: &str, problem: String| Error::format(path, field, problem);
+        let file = BufReader::new(File::open(path).map_err(io)?);
+        let mut zip = zip::ZipArchive::new(file)
+            .map_err(|e| broken("archive", format!("is no .npz archive: {e}")))?;
+        let mut arrays = BTreeMap::new();
+        let mut room = LARGEST_ARCHIVE;
+        for &key in wanted {
+            let Some(index) = zip.index_for_name(&format!("{key}.npy")) else {
+                continue;
+            };
+            let member = zip
+                .by_index(index)
+                .map_err(|e| broken(key, format!("cannot be unpacked: {e}")))?;
+            let size = member.size();
+            room = room.checked_sub(size).ok_or_else(|| {
+                broken(
+                    key,
+                    format!("{size} bytes: more than {LARGEST_ARCHIVE} in all"),
+                )
+            })?;
+            let mut bytes = Vec::new();
+            member
+                .take(size)
+                .read_to_end(&mut bytes)
+                .map_err(|e| broken(key, format!("cannot be unpacked: {e}")))?;
+            arrays.insert(key.to_string(), parse(&bytes).map_err(|e| broken(key, e))?);
+        }
+        Ok(Self {
+            path: path.to_path_buf(),
+            arrays,
+        })
+    }
+
+    /// An [`Error::Format`] of array `key`.
+    pub fn broken(&self, key: &str, problem: impl Into<String>) -> Error {
+        Error::format(&self.path, key, problem)
+    }
+
+    /// The array `key`, if it is there; all of its numbers must be finite.
+    pub fn get(&self, key: &str) -> Result<Option<&Array>> {
+        let array = self.arrays.get(key);
+        if let Some(at) = array.and_then(|a| a.numbers.iter().position(|v| !v.is_finite())) {
+            return Err(self.broken(key, format!("element {at} is not finite")));
+        }
+        Ok(array)
+    }
+
+    /// The array `key`, whose shape must be `shape`; `None` stands for any length.
+    pub fn expect(&self, key: &str, shape: &[Option<usize>]) -> Result<&Array> {
+        let array = self.get(key)?.ok_or_else(|| {
+            let found: Vec<_> = self.arrays.keys().map(String::as_str).collect();
+            self.broken(key, format!("is missing; there are {}", found.join(", ")))
+        })?;
+        let fits = array.shape.len() == shape.len()
+            && array
+                .shape
+                .iter()
+                .zip(shape)
+                .all(|(found, wanted)| wanted.is_none_or(|w| w == *found));
+        if fits && array.texts.is_empty() {
+            return Ok(array);
+        }
+        let wanted: Vec<_> = shape
+            .iter()
+            .map(|s| s.map_or("any".to_string(), |n| n.to_string()))
+            .collect();
+        let found = if array.texts.is_empty() {
+            format!("shape {:?}", array.shape)
+        } else {
+            "text".to_string()
+        };
+        let wanted = wanted.join(", ");
+        Err(self.broken(
+            key,
+            format!("{found}, expected numbers of shape [{wanted}]"),
+        ))
+    }
+}
+
+/// Reads one `.npy` file; the error says what is wrong.
+pub(crate) fn parse(bytes: &[u8]) -> Result<Array, String> {
+    let short = || "ends within its header".to_string();
+    if bytes.get(..6) != Some(MAGIC) {
+        return Err("is no .npy array".into());
+    }
+    let (start, length) = match *bytes.get(6).ok_or_else(short)? {
+        1 => (
+            10,
+            bytes
+                .get(8..10)
+                .map(|b| u64::from(b[0]) | u64::from(b[1]) << 8),
+        ),
+        2 | 3 => (
+            12,
+            bytes
+                .get(8..12)
+                .map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]]))),
+        ),
+        version => return Err(format!("version {version} of .npy is not known")),
+    };
+    let end = usize::try_from(length.ok_or_else(short)?)
+        .ok()
+        .and_then(|l| l.checked_add(start))
+        .ok_or_else(short)?;
+    let header = bytes.get(start..end).ok_or_else(short)?;
+    let header = std::str::from_utf8(header).map_err(|_| "its header is no text".to_string())?;
+    let entry = |key: &str| {
+        let quoted = format!("'{key}':");
+        let at = header.find(&quoted);
+        at.map(|i| header[i + quoted.len()..].trim_start())
+            .ok_or_else(|| format!("its header has no {key}"))
+    };
+    let descr: String = entry("descr")?
+        .strip_prefix('\'')
+        .map(|d| d.chars().take_while(|c| *c != '\'').collect())
+        .ok_or("structured arrays are not read; save plain numbers")?;
+    let fortran = entry("fortran_order")?.starts_with("True");
+    let shape: Vec<usize> = entry("shape")?
+        .trim_start_matches('(')
+        .split(')')
+        .next()
+        .unwrap_or("")
+        .split(',')
+        .filter(|s| !s.trim().is_empty())
+        .map(|s| {
+            s.trim()
+                .parse()
+                .map_err(|_| format!("its shape holds {s:?}"))
+        })
+        .collect::<Result<_, _>>()?;
+    let data = &bytes[end..];
+    let kind = ItemKind::parse(&descr)?;
+    let count = shape
+        .iter()
+        .try_fold(1usize, |product, n| product.checked_mul(*n));
+    if count.and_then(|c| c.checked_mul(kind.size)) != Some(data.len()) {
+        return Err(format!(
+            "{} bytes of data do not fill shape {shape:?} of {descr}",
+            data.len()
+        ));
+    }
+    let mut array = Array {
+        numbers: Vec::new(),
+        texts: Vec::new(),
+        shape,
+    };
+    let items = data.chunks_exact(kind.size.max(1));
+    if kind.letter == 'U' {
+        array.texts = items.map(|item| kind.text(item)).collect();
+    } else {
+        array.numbers = items.map(|item| kind.number(item)).collect();
+    }
+    if fortran && array.shape.len() > 1 {
+        array.numbers = from_fortran(&array.shape, &array.numbers);
+    }
+    Ok(array)
+}
+
+/// What one element is: NumPy's type string, taken apart.
+struct ItemKind {
+    big_endian: bool,
+    letter: char,
+    size: usize,
+}
+
+impl ItemKind {
+    fn parse(descr: &str) -> Result<Self, String> {
+        let unknown = || format!("type {descr:?} is not read; save f4, f8, integers or U");
+        let mut chars = descr.chars();
+        let order = chars.next().ok_or_else(unknown)?;
+        let letter = chars.next().ok_or_else(unknown)?;
+        let size: usize = chars.as_str().parse().map_err(|_| unknown())?;
+        let known = match letter {
+            'f' => matches!(size, 4 | 8),
+            'i' | 'u' => matches!(size, 1 | 2 | 4 | 8),
+            'b' => size == 1,
+            'U' => (1..=1024).contains(&size),
+            _ => false,
+        };
+        if !known || !matches!(order, '<' | '>' | '|' | '=') {
+            return Err(unknown());
+        }
+        Ok(Self {
+            big_endian: order == '>',
+            letter,
+            size: if letter == 'U' { 4 * size } else { size },
+        })
+    }
+
+    /// The element as an integer's bits, lowest byte first.
+    fn bits(&self, item: &[u8]) -> u64 {
+        let join = |bits: u64, byte: &u8| bits << 8 | u64::from(*byte);
+        if self.big_endian {
+            item.iter().fold(0, join)
+        } else {
+            item.iter().rev().fold(0, join)
+        }
+    }
+
+    fn number(&self, item: &[u8]) -> f64 {
+        let bits = self.bits(item);
+        let unused = 64 - 8 * self.size as u32;
+        match (self.letter, self.size) {
+            ('f', 4) => f64::from(f32::from_bits(bits as u32)),
+            ('f', _) => f64::from_bits(bits),
+            // Shifted up and down again, the sign fills the unused bits.
+            ('i', _) => ((bits << unused) as i64 >> unused) as f64,
+            _ => bits as f64,
+        }
+    }
+
+    fn text(&self, item: &[u8]) -> String {
+        item.chunks_exact(4)
+            .map(|c| self.bits(c) as u32)
+            .take_while(|c| *c != 0)
+            .map(|c| char::from_u32(c).unwrap_or(char::REPLACEMENT_CHARACTER))
+            .collect()
+    }
+}
+
+/// Reorders numbers whose first index runs fastest so that the last one does.
+fn from_fortran(shape: &[usize], numbers: &[f64]) -> Vec<f64> {
+    let mut index = vec![0; shape.len()];
+    let mut strides = vec![1; shape.len()];
+    for k in 1..shape.len() {
+        strides[k] = strides[k - 1] * shape[k - 1];
+    }
+    (0..numbers.len())
+        .map(|_| {
+            let at: usize = index.iter().zip(&strides).map(|(i, s)| i * s).sum();
+            for k in (0..shape.len()).rev() {
+                index[k] += 1;
+                if index[k] < shape[k] {
+                    break;
+                }
+                index[k] = 0;
+            }
+            numbers[at]
+        })
+        .collect()
+}
+
+/// The bytes of an `.npy` file: header of version 1.0, data in C order.
+fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+    let sizes: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let mut header =
+        format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({sizes}), }}");
+    // Data start at a multiple of 64 bytes, as NumPy writes them.
+    let padding = (64 - (10 + header.len() + 1) % 64) % 64;
+    header.push_str(&" ".repeat(padding));
+    header.push('\n');
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend([1, 0]);
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+/// An array of f64.
+pub(crate) fn encode_f64(shape: &[usize], values: &[f64]) -> Vec<u8> {
+    let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    encode("<f8", shape, &data)
+}
+
+/// An array of u32.
+pub(crate) fn encode_u32(shape: &[usize], values: &[u32]) -> Vec<u8> {
+    let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    encode("<u4", shape, &data)
+}
+
+/// A one-dimensional array of texts.
+pub(crate) fn encode_texts(values: &[String]) -> Vec<u8> {
+    let length = values
+        .iter()
+        .map(|t| t.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(1);
+    let pad = |t: &String| {
+        let codes = t.chars().map(u32::from).chain(std::iter::repeat(0));
+        codes.take(length).collect::<Vec<_>>()
+    };
+    let data: Vec<u8> = values
+        .iter()
+        .flat_map(pad)
+        .flat_map(u32::to_le_bytes)
+        .collect();
+    encode(&format!("<U{length}"), &[values.len()], &data)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+        let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}}}\n");
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend([1, 0]);
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(data);
+        bytes
+    }
+
+    #[test]
+    fn numbers_of_every_kind_are_read() {
+        let read = |descr: &str, data: &[u8]| {
+            parse(&file(&format!("'{descr}'"), "False", "(1,)", data))
+                .unwrap()
+                .numbers[0]
+        };
+        assert_eq!(read("<f4", &1.5f32.to_le_bytes()), 1.5);
+        assert_eq!(read(">f8", &(-2.25f64).to_be_bytes()), -2.25);
+        assert_eq!(read("|i1", &[0xff]), -1.0);
+        assert_eq!(read("<i8", &(-7i64).to_le_bytes()), -7.0);
+        assert_eq!(read("<u4", &u32::MAX.to_le_bytes()), 4294967295.0);
+        assert_eq!(read(">u2", &[1, 2]), 258.0);
+    }
+
+    #[test]
+    fn fortran_order_is_turned_round() {
+        let data: Vec<u8> = (0..6u8).collect();
+        let c = parse(&file("'|u1'", "False", "(2, 3)", &data)).unwrap();
+        let f = parse(&file("'|u1'", "True", "(2, 3)", &data)).unwrap();
+        assert_eq!(c.numbers, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(f.numbers, [0.0, 2.0, 4.0, 1.0, 3.0, 5.0]);
+    }
+
+    #[test]
+    fn impossible_headers_are_refused() {
+        let refused = |bytes: Vec<u8>, hint: &str| {
+            let e = parse(&bytes).unwrap_err();
+            assert!(e.contains(hint), "{e}");
+        };
+        refused(
+            file("'<f8'", "False", "(9999999999, 9999999999, 4)", &[0; 8]),
+            "do not fill",
+        );
+        refused(file("'<f8'", "False", "(2,)", &[0; 8]), "do not fill");
+        refused(file("'|O'", "False", "(1,)", &[0; 8]), "not read");
+        refused(file("'<c8'", "False", "(1,)", &[0; 8]), "not read");
+        refused(
+            file("[('x', '<f8')]", "False", "(1,)", &[0; 8]),
+            "structured",
+        );
+        refused(file("'<f8'", "False", "(-1,)", &[0; 8]), "shape");
+        refused(b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec(), "header");
+        refused(vec![], "no .npy");
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let values = [0.1, -3.0, f64::MIN_POSITIVE, 4.0, 5.5, 1e300];
+        let array = parse(&encode_f64(&[2, 3], &values)).unwrap();
+        assert_eq!((array.shape, array.numbers), (vec![2, 3], values.to_vec()));
+        let texts = ["index1".to_string(), "µ".to_string(), String::new()];
+        let array = parse(&encode_texts(&texts)).unwrap();
+        assert_eq!((array.shape, array.texts), (vec![3], texts.to_vec()));
+        assert_eq!(encode_u32(&[1], &[7]).len() % 64, 4);
+    }
+}
