@@ -14,6 +14,14 @@ pub struct BoneMass {
     pub second_moment: [[f64; 4]; 4],
 }
 
+impl BoneMass {
+    /// The mass, kg, and the first moment about the joint, kg m.
+    pub fn moments(&self) -> (f64, DVec3) {
+        let s = &self.second_moment;
+        (s[3][3], DVec3::new(s[0][3], s[1][3], s[2][3]))
+    }
+}
+
 /// The volume between bones and skin, kept for the full-space solve and for reports.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SoftLayer {

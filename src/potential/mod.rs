@@ -12,6 +12,7 @@ use crate::Result;
 use crate::collider::Collider;
 use crate::model::{Space, State};
 use glam::DVec3;
+use serde::Serialize;
 use std::future::Future;
 
 /// What one instance's step starts from; constant through the step's Newton iterations.
@@ -30,7 +31,7 @@ pub struct StepStart<'a> {
 }
 
 /// The energies of the tissue, J. In an [`Evaluation`] each is E(q) − E(qⁿ).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energies {
     /// Σ m/(2h²) |x − x̂|².
     pub inertia: f64,
@@ -77,6 +78,17 @@ pub struct Trial<'a> {
     pub state: &'a State,
 }
 
+/// Where an evaluation spent its time since the step began, ms of wall clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct EvaluationTimings {
+    /// Energies and gradients.
+    pub force: f64,
+    /// Hessians.
+    pub hessian: f64,
+    /// Waiting for results of the device.
+    pub readback: f64,
+}
+
 /// The tissue's energy for a batch of avatars of one baked asset.
 pub trait Potential {
     /// What evaluates it, for reports: `"cpu"`, or the adapter's name.
@@ -90,6 +102,11 @@ pub trait Potential {
 
     /// Number of instances.
     fn instances(&self) -> usize;
+
+    /// Time spent since the last [`Potential::begin_step`], where the implementation measures it.
+    fn timings(&self) -> EvaluationTimings {
+        EvaluationTimings::default()
+    }
 
     /// Starts a step of every active instance: x̄ from θⁿ, x̂, the lagged damping tangent.
     fn begin_step(

@@ -1,1 +1,20 @@
-//! The step: state, Newton, the reduced system.
+//! The step: state, Newton's method, the reduced linear system.
+
+mod dense_cholesky;
+mod instance;
+mod line_search;
+mod linear_solver;
+mod newton;
+mod report;
+mod settings;
+mod simulation;
+mod sparse_cholesky;
+mod stopwatch;
+
+pub use dense_cholesky::DenseCholesky;
+pub use instance::{Instance, Pin};
+pub use linear_solver::{LinearSolver, SolveReport};
+pub use report::{InstanceReport, Load, StepReport, Stop, Timings};
+pub use settings::{LARGEST_JOINT_STIFFNESS, Settings, SolverMode};
+pub use simulation::Simulation;
+pub use sparse_cholesky::SparseCholesky;

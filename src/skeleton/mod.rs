@@ -1,1 +1,24 @@
-//! Energies of the bones: joints, bending stiffness, tracking, their own inertia and weight. Assembled in f64.
+//! The bones' own energies: joints, bending stiffness, tracking of targets, inertia and gravity.
+//!
+//! They depend on the frames alone, are assembled on the CPU in f64, and go into the frame–frame
+//! blocks of the reduced system. Every term stands in one file with its formula, its energy
+//! difference (summed from increments, so that it keeps its digits near rest), its gradient and its
+//! positive semi-definite Gauss–Newton Hessian. Rotations step by R ← exp(\[δω\]) R everywhere.
+
+mod bending;
+mod bone_inertia;
+mod gravity;
+mod joint;
+mod log_derivative;
+mod system;
+mod term;
+mod tracking;
+
+pub use bending::{Bending, BendingSpring};
+pub use bone_inertia::BoneInertia;
+pub use gravity::{FrameGravity, TissueMoments};
+pub use joint::{JointSpring, joint_gap};
+pub use log_derivative::inverse_left_jacobian;
+pub use system::{SkeletonEnergies, SkeletonModel, SkeletonPotential, SkeletonStart};
+pub use term::{FrameHessian, FrameTerm, Residual};
+pub use tracking::{Spring, Tracking, TrackingSpring};

@@ -1,0 +1,171 @@
+//! One simulated avatar: its state and what drives it.
+
+use super::settings::not_negative;
+use crate::collider::Collider;
+use crate::model::{Avatar, Frame, State};
+use crate::skeleton::{Bending, Tracking};
+use crate::{Error, Result};
+use glam::{DMat3, DVec3};
+
+/// A bone that is held at a prescribed frame; its DoFs do not move otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pin {
+    /// Which bone.
+    pub bone: usize,
+    /// Where it is at the end of the next step.
+    pub frame: Frame,
+}
+
+/// What changes in time. Everything here may be written between steps.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// qⁿ.
+    pub state: State,
+    /// qⁿ⁻¹: the velocity is what led from it to qⁿ.
+    pub previous: State,
+    /// Springs and dampers that draw bones to moving targets. After a step each target's
+    /// `previous` becomes its `frame`.
+    pub targets: Vec<Tracking>,
+    /// Bones that follow a prescribed motion exactly.
+    pub pins: Vec<Pin>,
+    /// The rest rotation of each bone relative to its parent, and how stiffly it is kept.
+    pub bending: Vec<Bending>,
+    /// What the skin cannot enter. After a step each `previous` becomes its `frame`.
+    pub colliders: Vec<Collider>,
+    /// Gravity, m/s².
+    pub gravity: DVec3,
+    /// Whether [`Simulation::step`](super::Simulation::step) moves it.
+    pub active: bool,
+}
+
+impl Instance {
+    /// The avatar at rest in its bind pose, with gravity along −z and nothing around it.
+    pub fn new(avatar: &Avatar, bending_stiffness: f64) -> Self {
+        let state = avatar.rest_state();
+        Self {
+            previous: state.clone(),
+            targets: Vec::new(),
+            pins: Vec::new(),
+            bending: vec![
+                Bending {
+                    rest_rotation: DMat3::IDENTITY,
+                    stiffness: bending_stiffness,
+                };
+                state.frames.len()
+            ],
+            state,
+            colliders: Vec::new(),
+            gravity: DVec3::new(0.0, 0.0, -9.81),
+            active: true,
+        }
+    }
+
+    /// Puts it into `state`, at rest.
+    pub fn place(&mut self, state: State) {
+        self.previous = state.clone();
+        self.state = state;
+    }
+
+    /// Puts the bones at `frames` at rest with no displacement, and makes that pose the rest pose of
+    /// its bending springs.
+    pub fn pose(&mut self, frames: &[Frame], parents: &[Option<u32>]) {
+        for (j, parent) in parents.iter().enumerate() {
+            if let Some(p) = parent {
+                self.bending[j].rest_rotation =
+                    frames[*p as usize].rotation.transpose() * frames[j].rotation;
+            }
+        }
+        self.place(State {
+            frames: frames.to_vec(),
+            handles: vec![DVec3::ZERO; self.state.handles.len()],
+        });
+    }
+
+    /// Checks what the user wrote, so that a step meets only usable numbers.
+    pub(super) fn validate(&self, like: &State) -> Result<()> {
+        let bones = like.frames.len();
+        let check = |ok: bool, field: &str, problem: &str| {
+            if ok {
+                Ok(())
+            } else {
+                Err(Error::invalid(format!("instance.{field}"), problem))
+            }
+        };
+        for (field, state) in [("state", &self.state), ("previous", &self.previous)] {
+            check(
+                state.space() == like.space(),
+                field,
+                "has not the avatar's numbers of bones and handles",
+            )?;
+            check(state.is_finite(), field, "holds a value that is not finite")?;
+            check(
+                state.frames.iter().all(is_rigid),
+                field,
+                "holds a frame whose rotation is none",
+            )?;
+        }
+        check(
+            self.bending.len() == bones,
+            "bending",
+            "one is needed for each bone",
+        )?;
+        for bending in &self.bending {
+            not_negative("instance.bending.stiffness", bending.stiffness, "N·m/rad")?;
+            check(
+                is_rotation(&bending.rest_rotation),
+                "bending",
+                "a rest rotation is none",
+            )?;
+        }
+        for target in &self.targets {
+            check(
+                target.bone < bones,
+                "targets",
+                "names a bone that is not there",
+            )?;
+            check(
+                is_rigid(&target.frame) && is_rigid(&target.previous),
+                "targets",
+                "a frame is not finite or its rotation is none",
+            )?;
+            for spring in [&target.rotation, &target.position].into_iter().flatten() {
+                not_negative(
+                    "instance.targets.stiffness",
+                    spring.stiffness,
+                    "N/m or N·m/rad",
+                )?;
+                not_negative("instance.targets.damping", spring.damping, "N·s/m or N·m·s")?;
+            }
+        }
+        for pin in &self.pins {
+            check(pin.bone < bones, "pins", "names a bone that is not there")?;
+            check(
+                is_rigid(&pin.frame),
+                "pins",
+                "a frame is not finite or its rotation is none",
+            )?;
+        }
+        for collider in &self.colliders {
+            check(
+                is_rigid(&collider.frame) && is_rigid(&collider.previous),
+                "colliders",
+                "a frame is not finite or its rotation is none",
+            )?;
+            not_negative("instance.colliders.stiffness", collider.stiffness, "Pa/m")?;
+            not_negative("instance.colliders.margin", collider.margin, "metres")?;
+        }
+        check(self.gravity.is_finite(), "gravity", "is not finite")
+    }
+}
+
+/// Whether `frame` is finite with a proper rotation.
+fn is_rigid(frame: &Frame) -> bool {
+    frame.position.is_finite() && is_rotation(&frame.rotation)
+}
+
+/// Whether RᵀR = I and det R = 1, to the rounding of hand-written matrices.
+fn is_rotation(r: &DMat3) -> bool {
+    let defect = r.transpose() * *r - DMat3::IDENTITY;
+    // Comparisons with NaN are false, so what is not finite fails too.
+    defect.to_cols_array().iter().all(|d| d.abs() < 1e-6) && r.determinant() > 0.0
+}

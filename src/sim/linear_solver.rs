@@ -1,0 +1,87 @@
+//! The linear system of a Newton step.
+
+use crate::Result;
+use crate::potential::BlockPattern;
+
+/// What a solve had to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolveReport {
+    /// Shift added to the scaled diagonal (which is 1 everywhere), 0 where none was needed.
+    pub diagonal_shift: f64,
+    /// |g + H δ| / |g| over the free DoFs, with the unshifted H.
+    pub residual: f64,
+}
+
+/// Solves H δ = −g over the free DoFs.
+pub trait LinearSolver {
+    /// Solves for `step`, whose `fixed` DoFs come out 0. `hessian` holds the blocks of the pattern
+    /// that the solver was made for, lower triangle, each 3×3 column by column.
+    fn solve(
+        &mut self,
+        hessian: &[[f64; 9]],
+        gradient: &[f64],
+        fixed: &[bool],
+        step: &mut [f64],
+    ) -> Result<SolveReport>;
+}
+
+/// `out = H x + y` with the packed lower triangle.
+pub(super) fn multiply_add(
+    pattern: &BlockPattern,
+    hessian: &[[f64; 9]],
+    x: &[f64],
+    y: &[f64],
+    out: &mut [f64],
+) {
+    out.copy_from_slice(y);
+    for (block, (row, column)) in hessian.iter().zip(pattern.blocks()) {
+        let (r, c) = (3 * row, 3 * column);
+        for j in 0..3 {
+            for i in 0..3 {
+                out[r + i] += block[3 * j + i] * x[c + j];
+            }
+        }
+        if row != column {
+            for j in 0..3 {
+                for i in 0..3 {
+                    out[c + j] += block[3 * j + i] * x[r + i];
+                }
+            }
+        }
+    }
+}
+
+/// The scaling d with d_i² H_ii = 1, which brings springs of 1e6 N/m and handles of a few N/m to one
+/// size. Fixed DoFs, and diagonals that are not positive (the factorisation will say so), keep 1.
+pub(super) fn diagonal_scaling(
+    pattern: &BlockPattern,
+    hessian: &[[f64; 9]],
+    fixed: &[bool],
+    scaling: &mut [f64],
+) {
+    let columns = pattern.columns();
+    for row in 0..columns.len() {
+        // The diagonal block is the last of its row.
+        let block = &hessian[columns.range(row).end - 1];
+        for axis in 0..3 {
+            let (dof, diagonal) = (3 * row + axis, block[4 * axis]);
+            scaling[dof] = if !fixed[dof] && diagonal > 0.0 {
+                diagonal.sqrt().recip()
+            } else {
+                1.0
+            };
+        }
+    }
+}
+
+/// Shifts of the scaled diagonal that are tried in turn when a matrix is not positive definite.
+pub(super) const DIAGONAL_SHIFTS: [f64; 5] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2];
+
+/// |D r| over the free DoFs.
+pub(super) fn scaled_norm(r: &[f64], scaling: &[f64], fixed: &[bool]) -> f64 {
+    let squares = r.iter().zip(scaling).zip(fixed);
+    squares
+        .map(|((r, d), fixed)| if *fixed { 0.0 } else { (r * d).powi(2) })
+        .sum::<f64>()
+        .sqrt()
+}

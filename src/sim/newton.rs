@@ -1,0 +1,300 @@
+//! Newton's method on the incremental potential, for a batch of instances.
+
+use super::linear_solver::{LinearSolver, multiply_add};
+use super::report::{InstanceReport, Stop, Timings};
+use super::settings::SolverMode;
+use super::stopwatch::Stopwatch;
+use crate::model::State;
+use crate::potential::{Evaluation, Potential};
+use crate::skeleton::{SkeletonEnergies, SkeletonPotential};
+use crate::{Error, Result};
+
+/// What f32 resolves of E, J: a smaller rise is noise.
+pub(super) const ENERGY_RESOLUTION: f64 = 1e-8;
+
+/// Lever at which a rotation counts as a length, m.
+const ROTATION_LEVER: f64 = 0.1;
+
+/// One instance's part of a minimisation.
+pub(super) struct Lane {
+    /// The skeleton's terms of this step.
+    pub skeleton: SkeletonPotential,
+    /// qⁿ.
+    pub current: State,
+    /// qⁿ with pinned bones already where they end: where the minimisation starts if the prediction
+    /// raises the energy.
+    pub fallback: State,
+    /// Which DoFs are prescribed.
+    pub fixed: Vec<bool>,
+    /// The Newton step δ.
+    pub step: Vec<f64>,
+    /// g + H δ: at fixed DoFs, what holds them.
+    pub reaction: Vec<f64>,
+    /// What happened.
+    pub report: InstanceReport,
+}
+
+/// Minimises E of all active instances in lockstep. Everything is kept from step to step, so that a
+/// step allocates nothing.
+#[derive(Default)]
+pub(super) struct Newton {
+    /// One for each instance.
+    pub lanes: Vec<Lane>,
+    /// The iterates: the prediction before, the result after.
+    pub states: Vec<State>,
+    /// Which instances take part.
+    pub active: Vec<bool>,
+    pub(super) running: Vec<bool>,
+    evaluations: Vec<Evaluation>,
+    /// A second set, for comparing the two possible starts.
+    others: Vec<Evaluation>,
+    other_states: Vec<State>,
+    rising: Vec<bool>,
+    pub(super) search: super::line_search::LineSearch,
+}
+
+impl Newton {
+    /// Room for `count` instances like `rest`, none of them active.
+    pub fn new(lanes: Vec<Lane>, rest: &State) -> Self {
+        let count = lanes.len();
+        Self {
+            lanes,
+            states: vec![rest.clone(); count],
+            active: vec![false; count],
+            running: vec![false; count],
+            evaluations: vec![Evaluation::default(); count],
+            others: vec![Evaluation::default(); count],
+            other_states: vec![rest.clone(); count],
+            rising: vec![false; count],
+            search: Default::default(),
+        }
+    }
+
+    /// Minimises from [`Newton::states`] (the predictions) and leaves the results there.
+    pub async fn minimise<P: Potential>(
+        &mut self,
+        potential: &mut P,
+        solver: &mut dyn LinearSolver,
+        mode: SolverMode,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        self.running.clone_from(&self.active);
+        self.start(potential, timings).await?;
+        match mode {
+            SolverMode::OneIteration => {
+                self.directions(potential, solver, timings)?;
+                for i in 0..self.lanes.len() {
+                    if !self.running[i] {
+                        continue;
+                    }
+                    self.take_full_step(i, Stop::OneIteration);
+                }
+                Ok(())
+            }
+            SolverMode::Converged {
+                tolerance,
+                max_iterations,
+            } => {
+                self.iterate(potential, solver, tolerance, max_iterations, timings)
+                    .await
+            }
+        }
+    }
+
+    /// Evaluates the predictions; an instance whose prediction raises the energy starts at qⁿ instead,
+    /// if that is lower.
+    async fn start<P: Potential>(
+        &mut self,
+        potential: &mut P,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        self.evaluate(potential, timings).await?;
+        for i in 0..self.lanes.len() {
+            let energy = self.total_energy(i);
+            // A prediction that overflows is a rise as well.
+            let quiet = energy <= ENERGY_RESOLUTION;
+            self.rising[i] = self.running[i] && !quiet;
+        }
+        if !self.rising.contains(&true) {
+            return Ok(());
+        }
+        self.exchange_starts();
+        std::mem::swap(&mut self.running, &mut self.rising);
+        let predicted: Vec<f64> = self
+            .lanes
+            .iter()
+            .zip(&self.others)
+            .map(|(lane, e)| e.energies.total() + lane.report.skeleton_energies.total())
+            .collect();
+        self.evaluate(potential, timings).await?;
+        std::mem::swap(&mut self.running, &mut self.rising);
+        for i in 0..self.lanes.len() {
+            if self.rising[i] && predicted[i] <= self.total_energy(i) {
+                // The prediction was the better start after all (pins carry the bones away from qⁿ).
+                std::mem::swap(&mut self.states[i], &mut self.other_states[i]);
+                std::mem::swap(&mut self.evaluations[i], &mut self.others[i]);
+                self.lanes[i].report.skeleton_energies = self.skeleton_energies(i);
+            } else if self.rising[i] {
+                self.lanes[i].report.started_at_current = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the predictions of rising instances aside, with their evaluations, and qⁿ in their place.
+    fn exchange_starts(&mut self) {
+        for i in 0..self.lanes.len() {
+            if self.rising[i] {
+                self.other_states[i].clone_from(&self.lanes[i].fallback);
+                std::mem::swap(&mut self.states[i], &mut self.other_states[i]);
+                std::mem::swap(&mut self.evaluations[i], &mut self.others[i]);
+            }
+        }
+    }
+
+    /// Newton iterations with a line search.
+    async fn iterate<P: Potential>(
+        &mut self,
+        potential: &mut P,
+        solver: &mut dyn LinearSolver,
+        tolerance: f64,
+        max_iterations: usize,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        for iteration in 1..=max_iterations {
+            if iteration > 1 {
+                self.evaluate(potential, timings).await?;
+            }
+            self.directions(potential, solver, timings)?;
+            for i in 0..self.lanes.len() {
+                if !self.running[i] {
+                    continue;
+                }
+                if self.lanes[i].report.step_length <= tolerance {
+                    self.take_full_step(i, Stop::Converged);
+                }
+            }
+            self.line_search(potential, timings).await?;
+            if !self.running.contains(&true) {
+                return Ok(());
+            }
+        }
+        for i in 0..self.lanes.len() {
+            if !self.running[i] {
+                continue;
+            }
+            self.lanes[i].report.stop = Stop::IterationLimit;
+            self.running[i] = false;
+        }
+        Ok(())
+    }
+
+    /// Evaluates tissue and skeleton at the iterates of running instances.
+    async fn evaluate<P: Potential>(
+        &mut self,
+        potential: &mut P,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let watch = Stopwatch::start();
+        potential
+            .evaluate(&self.states, &self.running, &mut self.evaluations)
+            .await?;
+        timings.evaluation += watch.ms();
+        let watch = Stopwatch::start();
+        for i in 0..self.lanes.len() {
+            if !self.running[i] {
+                continue;
+            }
+            let frames = &self.states[i].frames;
+            let evaluation = &mut self.evaluations[i];
+            let skeleton = &self.lanes[i].skeleton;
+            skeleton.add_derivatives(frames, &mut evaluation.gradient, &mut evaluation.hessian);
+            self.lanes[i].report.skeleton_energies = self.skeleton_energies(i);
+        }
+        timings.skeleton += watch.ms();
+        Ok(())
+    }
+
+    /// E(q) − E(qⁿ) of the skeleton at an instance's iterate.
+    fn skeleton_energies(&self, i: usize) -> SkeletonEnergies {
+        let lane = &self.lanes[i];
+        lane.skeleton
+            .difference(&lane.current.frames, &self.states[i].frames)
+    }
+
+    /// E(q) − E(qⁿ) at the last evaluated iterate.
+    fn total_energy(&self, i: usize) -> f64 {
+        self.evaluations[i].energies.total() + self.lanes[i].report.skeleton_energies.total()
+    }
+
+    /// Solves for every running instance's Newton step and reports what its evaluation said.
+    fn directions<P: Potential>(
+        &mut self,
+        potential: &P,
+        solver: &mut dyn LinearSolver,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let watch = Stopwatch::start();
+        for i in 0..self.lanes.len() {
+            if !self.running[i] {
+                continue;
+            }
+            let (lane, evaluation) = (&mut self.lanes[i], &self.evaluations[i]);
+            let gradient = &evaluation.gradient;
+            let energy = evaluation.energies.total() + lane.report.skeleton_energies.total();
+            if !energy.is_finite() {
+                return Err(Error::NotFinite { quantity: "energy" });
+            }
+            if !gradient.iter().all(|g| g.is_finite()) {
+                return Err(Error::NotFinite { quantity: "force" });
+            }
+            let solved =
+                solver.solve(&evaluation.hessian, gradient, &lane.fixed, &mut lane.step)?;
+            if !lane.step.iter().all(|d| d.is_finite()) {
+                return Err(Error::NotFinite {
+                    quantity: "Newton step",
+                });
+            }
+            if lane.fixed.contains(&true) {
+                multiply_add(
+                    potential.pattern(),
+                    &evaluation.hessian,
+                    &lane.step,
+                    gradient,
+                    &mut lane.reaction,
+                );
+            }
+            let report = &mut lane.report;
+            report.iterations += 1;
+            report.decrement = -dot(gradient, &lane.step);
+            report.step_length = step_length(&lane.step, lane.current.frames.len());
+            report.diagonal_shift = report.diagonal_shift.max(solved.diagonal_shift);
+            report.energies = evaluation.energies;
+            report.contact_force = evaluation.contact_force;
+            report.contacts = evaluation.contacts;
+        }
+        timings.solve += watch.ms();
+        Ok(())
+    }
+
+    /// Moves instance `i` by its whole step and ends its minimisation.
+    fn take_full_step(&mut self, i: usize, stop: Stop) {
+        self.states[i].move_by(&self.lanes[i].step, 1.0);
+        self.lanes[i].report.stop = stop;
+        self.running[i] = false;
+    }
+}
+
+/// a · b.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The longest move of a joint or handle, m, rotations counted at [`ROTATION_LEVER`].
+fn step_length(step: &[f64], frames: usize) -> f64 {
+    let length = |(block, d): (usize, &[f64])| {
+        let rotation = block < 2 * frames && block % 2 == 1;
+        dot(d, d).sqrt() * if rotation { ROTATION_LEVER } else { 1.0 }
+    };
+    step.chunks(3).enumerate().map(length).fold(0.0, f64::max)
+}

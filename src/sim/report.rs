@@ -1,0 +1,114 @@
+//! What a step tells about itself.
+
+use crate::potential::Energies;
+use crate::skeleton::SkeletonEnergies;
+use glam::DVec3;
+use serde::Serialize;
+
+/// Every way in which Newton's method stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// The one iteration of [`SolverMode::OneIteration`](super::SolverMode::OneIteration) was made.
+    OneIteration,
+    /// The last step was shorter than the tolerance.
+    Converged,
+    /// No step along the direction lowers the energy by more than it can be resolved.
+    LineSearchStalled,
+    /// The allowed iterations were used up.
+    IterationLimit,
+    /// The instance was not active.
+    Inactive,
+}
+
+/// Wall-clock time of a step, ms. The first three are the evaluation's own account where it gives one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Timings {
+    /// Energies and gradients.
+    pub force: f64,
+    /// Hessians.
+    pub hessian: f64,
+    /// Waiting for results of the device.
+    pub readback: f64,
+    /// All of the potential's work, seen from outside.
+    pub evaluation: f64,
+    /// The skeleton's terms.
+    pub skeleton: f64,
+    /// Linear systems.
+    pub solve: f64,
+    /// Posing the drawn skin.
+    pub skin: f64,
+    /// The whole step.
+    pub step: f64,
+}
+
+/// Force and torque that a target or a pin exerts on its bone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Load {
+    /// Which bone.
+    pub bone: usize,
+    /// N, world axes.
+    pub force: DVec3,
+    /// N·m about the bone's joint, world axes.
+    pub torque: DVec3,
+}
+
+/// One instance's part of a [`StepReport`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InstanceReport {
+    /// Why the minimisation ended.
+    pub stop: Stop,
+    /// Newton iterations made.
+    pub iterations: usize,
+    /// Whether it started at qⁿ because the prediction raised the energy.
+    pub started_at_current: bool,
+    /// Newton's decrement −gᵀδ of the last iteration, J.
+    pub decrement: f64,
+    /// Length of the last Newton step, m.
+    pub step_length: f64,
+    /// Largest diagonal shift that a factorisation needed, relative to the scaled diagonal of 1.
+    pub diagonal_shift: f64,
+    /// E(last evaluated iterate) − E(qⁿ), J.
+    pub energies: Energies,
+    /// The same of the skeleton's terms.
+    pub skeleton_energies: SkeletonEnergies,
+    /// Sum of the contact forces on the skin at the last evaluated iterate, N.
+    pub contact_force: DVec3,
+    /// Active contacts there.
+    pub contacts: usize,
+    /// Largest distance between the two sides of a joint, m.
+    pub max_joint_gap: f64,
+    /// What targets and pins exert at the step's end, to first order in the last Newton step.
+    pub loads: Vec<Load>,
+    /// Weight of bones and tissue, N.
+    pub weight: DVec3,
+}
+
+impl Default for InstanceReport {
+    fn default() -> Self {
+        Self {
+            stop: Stop::Inactive,
+            iterations: 0,
+            started_at_current: false,
+            decrement: 0.0,
+            step_length: 0.0,
+            diagonal_shift: 0.0,
+            energies: Energies::default(),
+            skeleton_energies: SkeletonEnergies::default(),
+            contact_force: DVec3::ZERO,
+            contacts: 0,
+            max_joint_gap: 0.0,
+            loads: Vec::new(),
+            weight: DVec3::ZERO,
+        }
+    }
+}
+
+/// What [`Simulation::step`](super::Simulation::step) did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct StepReport {
+    /// Wall-clock times of the whole batch.
+    pub timings: Timings,
+    /// One for each instance.
+    pub instances: Vec<InstanceReport>,
+}

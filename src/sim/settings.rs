@@ -1,0 +1,208 @@
+//! What stays the same through a simulation.
+
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+/// Largest joint spring whose reduced system still solves well in f32 (scaled condition 3e4), N/m.
+pub const LARGEST_JOINT_STIFFNESS: f64 = 1e6;
+
+/// How far a step minimises the incremental potential.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
+pub enum SolverMode {
+    /// One Newton iteration from the inertial prediction, no line search: the paper's mode.
+    OneIteration,
+    /// Newton with a line search until a step is shorter than `tolerance`.
+    Converged {
+        /// Length of the longest step of a joint or a handle that counts as none, m. A rotation
+        /// counts with the lever of 0.1 m.
+        #[serde(default = "default_tolerance")]
+        tolerance: f64,
+        /// Iterations before the step is taken as it is, and said to be so in its report.
+        #[serde(default = "default_max_iterations")]
+        max_iterations: usize,
+    },
+}
+
+impl SolverMode {
+    /// [`SolverMode::Converged`] with the default tolerance (1e-8 m) and at most 100 iterations.
+    pub const CONVERGED: Self = Self::Converged {
+        tolerance: 1e-8,
+        max_iterations: 100,
+    };
+}
+
+fn default_tolerance() -> f64 {
+    1e-8
+}
+
+fn default_max_iterations() -> usize {
+    100
+}
+
+/// Constants of a [`Simulation`](super::Simulation).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// h, s.
+    pub time_step: f64,
+    /// How far a step minimises.
+    pub solver: SolverMode,
+    /// k of the springs that hold joints together, N/m; at most [`LARGEST_JOINT_STIFFNESS`].
+    pub joint_stiffness: f64,
+    /// Initial k of the springs that keep each bone's rotation relative to its parent, N·m/rad.
+    pub bending_stiffness: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            time_step: 0.01,
+            solver: SolverMode::OneIteration,
+            joint_stiffness: 1e6,
+            bending_stiffness: 10.0,
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every value.
+    pub fn validate(&self) -> Result<()> {
+        positive("settings.time_step", self.time_step, "seconds")?;
+        if !(0.0..=LARGEST_JOINT_STIFFNESS).contains(&self.joint_stiffness) {
+            return Err(Error::invalid(
+                "settings.joint_stiffness",
+                format!(
+                    "{} is not within 0 and {LARGEST_JOINT_STIFFNESS:e} N/m",
+                    self.joint_stiffness
+                ),
+            ));
+        }
+        not_negative(
+            "settings.bending_stiffness",
+            self.bending_stiffness,
+            "N·m/rad",
+        )?;
+        if let SolverMode::Converged {
+            tolerance,
+            max_iterations,
+        } = self.solver
+        {
+            positive("settings.solver.tolerance", tolerance, "metres")?;
+            if max_iterations == 0 {
+                return Err(Error::invalid(
+                    "settings.solver.max_iterations",
+                    "0 iterations never move anything; give at least 1",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An error unless `value` is finite and above 0.
+fn positive(field: &str, value: f64, unit: &str) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        field,
+        format!("{value} is not a positive number of {unit}"),
+    ))
+}
+
+/// An error unless `value` is finite and at least 0.
+pub(super) fn not_negative(field: &str, value: f64, unit: &str) -> Result<()> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        field,
+        format!("{value} is neither 0 nor a positive number of {unit}"),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_read_from_toml_and_unknown_keys_are_refused() {
+        let read: Settings =
+            toml::from_str("time_step = 0.005\n[solver]\nmode = \"converged\"\ntolerance = 1e-6")
+                .unwrap();
+        let solver = SolverMode::Converged {
+            tolerance: 1e-6,
+            max_iterations: 100,
+        };
+        let expected = Settings {
+            time_step: 0.005,
+            solver,
+            ..Settings::default()
+        };
+        assert_eq!(read, expected);
+        for bad in [
+            "timestep = 0.005",
+            "[solver]\nmode = \"converged\"\ntolerence = 1e-6",
+            "[solver]\nmode = \"newton\"",
+        ] {
+            assert!(toml::from_str::<Settings>(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn unusable_values_are_refused_by_name() {
+        let base = Settings::default();
+        let converged = |tolerance, max_iterations| Settings {
+            solver: SolverMode::Converged {
+                tolerance,
+                max_iterations,
+            },
+            ..base
+        };
+        let cases = [
+            (
+                Settings {
+                    time_step: 0.0,
+                    ..base
+                },
+                "time_step",
+            ),
+            (
+                Settings {
+                    time_step: f64::NAN,
+                    ..base
+                },
+                "time_step",
+            ),
+            (
+                Settings {
+                    joint_stiffness: 1e7,
+                    ..base
+                },
+                "joint_stiffness",
+            ),
+            (
+                Settings {
+                    joint_stiffness: f64::NAN,
+                    ..base
+                },
+                "joint_stiffness",
+            ),
+            (
+                Settings {
+                    bending_stiffness: -1.0,
+                    ..base
+                },
+                "bending_stiffness",
+            ),
+            (converged(0.0, 10), "tolerance"),
+            (converged(1e-8, 0), "max_iterations"),
+        ];
+        for (settings, field) in cases {
+            let message = settings.validate().unwrap_err().to_string();
+            assert!(message.contains(field), "{message}");
+        }
+        assert!(base.validate().is_ok() && converged(1e-8, 1).validate().is_ok());
+    }
+}

@@ -1,0 +1,276 @@
+//! Avatars in time.
+
+use super::dense_cholesky::DenseCholesky;
+use super::instance::Instance;
+use super::linear_solver::LinearSolver;
+use super::newton::{Lane, Newton};
+use super::report::{InstanceReport, Load, StepReport, Timings};
+use super::settings::Settings;
+use super::stopwatch::Stopwatch;
+use crate::model::Avatar;
+use crate::potential::{Potential, StepStart};
+use crate::skeleton::{SkeletonModel, SkeletonPotential, SkeletonStart, joint_gap};
+use crate::{Error, Result};
+use glam::DVec3;
+
+/// Avatars of one asset, stepped together by backward Euler.
+pub struct Simulation<P: Potential> {
+    potential: P,
+    solver: Box<dyn LinearSolver + Send + Sync>,
+    settings: Settings,
+    skeleton: SkeletonModel,
+    captured_under_gravity: bool,
+    instances: Vec<Instance>,
+    newton: Newton,
+}
+
+impl<P: Potential> Simulation<P> {
+    /// `potential.instances()` avatars at rest in the bind pose, with the reduced system's solver.
+    ///
+    /// # Errors
+    /// The avatar or the settings are unusable, or the potential is of another asset.
+    pub fn new(avatar: &Avatar, potential: P, settings: Settings) -> Result<Self> {
+        let solver = Box::new(DenseCholesky::new(potential.pattern()));
+        Self::with_solver(avatar, potential, settings, solver)
+    }
+
+    /// The same with a solver of one's own.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn with_solver(
+        avatar: &Avatar,
+        potential: P,
+        settings: Settings,
+        solver: Box<dyn LinearSolver + Send + Sync>,
+    ) -> Result<Self> {
+        avatar.validate()?;
+        settings.validate()?;
+        if potential.space() != avatar.space() {
+            return Err(Error::invalid(
+                "potential",
+                "was made for an avatar with other numbers of bones or handles",
+            ));
+        }
+        let skeleton = SkeletonModel::new(avatar);
+        let instances: Vec<_> = (0..potential.instances())
+            .map(|_| Instance::new(avatar, settings.bending_stiffness))
+            .collect();
+        let dofs = avatar.space().dofs();
+        let lanes = instances
+            .iter()
+            .map(|instance| Lane {
+                skeleton: skeleton_terms(&skeleton, &settings, instance),
+                current: instance.state.clone(),
+                fallback: instance.state.clone(),
+                fixed: vec![false; dofs],
+                step: vec![0.0; dofs],
+                reaction: vec![0.0; dofs],
+                report: InstanceReport::default(),
+            })
+            .collect();
+        Ok(Self {
+            newton: Newton::new(lanes, &avatar.rest_state()),
+            potential,
+            solver,
+            settings,
+            skeleton,
+            captured_under_gravity: avatar.captured_under_gravity,
+            instances,
+        })
+    }
+
+    /// The constants.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// What evaluates the tissue.
+    pub fn potential(&self) -> &P {
+        &self.potential
+    }
+
+    /// What evaluates the tissue.
+    pub fn potential_mut(&mut self) -> &mut P {
+        &mut self.potential
+    }
+
+    /// The instances.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    /// The instances, to be driven between steps.
+    pub fn instances_mut(&mut self) -> &mut [Instance] {
+        &mut self.instances
+    }
+
+    /// One time step of every active instance: its state, its targets' and colliders' `previous`, and
+    /// the drawn skin move on.
+    ///
+    /// # Errors
+    /// Unusable input, a lost device, a linear system that cannot be solved, or a result that is not
+    /// finite. Every instance then keeps the state it had.
+    pub async fn step(&mut self) -> Result<StepReport> {
+        let watch = Stopwatch::start();
+        let mut timings = Timings::default();
+        self.begin_step(&mut timings).await?;
+        let (newton, solver) = (&mut self.newton, &mut *self.solver);
+        newton
+            .minimise(
+                &mut self.potential,
+                solver,
+                self.settings.solver,
+                &mut timings,
+            )
+            .await?;
+        for (state, active) in newton.states.iter().zip(&newton.active) {
+            if *active && !state.is_finite() {
+                return Err(Error::NotFinite { quantity: "state" });
+            }
+        }
+        let skin = Stopwatch::start();
+        self.potential.pose_skin(&self.newton.states).await?;
+        timings.skin = skin.ms();
+        self.commit();
+        let evaluation = self.potential.timings();
+        timings.force = evaluation.force;
+        timings.hessian = evaluation.hessian;
+        timings.readback = evaluation.readback;
+        timings.step = watch.ms();
+        let lanes = self.newton.lanes.iter();
+        Ok(StepReport {
+            timings,
+            instances: lanes.map(|lane| lane.report.clone()).collect(),
+        })
+    }
+
+    /// [`Simulation::step`] on this thread until it is done.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step_blocking(&mut self) -> Result<StepReport> {
+        pollster::block_on(self.step())
+    }
+
+    /// Copies out the drawn skin of an instance: positions (m, world) and normals.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn read_skin_blocking(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        pollster::block_on(self.potential.read_skin(instance, positions, normals))
+    }
+
+    /// Checks the input, predicts, and starts the potential's step.
+    async fn begin_step(&mut self, timings: &mut Timings) -> Result<()> {
+        let watch = Stopwatch::start();
+        for (i, instance) in self.instances.iter().enumerate() {
+            self.newton.active[i] = instance.active;
+            let lane = &mut self.newton.lanes[i];
+            lane.report = InstanceReport::default();
+            if !instance.active {
+                self.newton.states[i].clone_from(&instance.state);
+                continue;
+            }
+            instance.validate(&lane.current)?;
+            lane.skeleton = skeleton_terms(&self.skeleton, &self.settings, instance);
+            lane.current.clone_from(&instance.state);
+            lane.fallback.clone_from(&instance.state);
+            // The inertial prediction on the manifold: the last step once more.
+            let predicted = &mut self.newton.states[i];
+            predicted.clone_from(&instance.state);
+            predicted.move_by(&instance.previous.step_to(&instance.state), 1.0);
+            lane.fixed.fill(false);
+            for pin in &instance.pins {
+                predicted.frames[pin.bone] = pin.frame;
+                lane.fallback.frames[pin.bone] = pin.frame;
+                lane.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
+            }
+        }
+        timings.skeleton += watch.ms();
+        let watch = Stopwatch::start();
+        let starts: Vec<_> = self
+            .instances
+            .iter()
+            .map(|instance| StepStart {
+                time_step: self.settings.time_step,
+                previous: &instance.previous,
+                current: &instance.state,
+                colliders: &instance.colliders,
+                tissue_gravity: if self.captured_under_gravity {
+                    DVec3::ZERO
+                } else {
+                    instance.gravity
+                },
+            })
+            .collect();
+        self.potential
+            .begin_step(&starts, &self.newton.active)
+            .await?;
+        timings.evaluation += watch.ms();
+        Ok(())
+    }
+
+    /// Makes the iterates the new states and completes the reports.
+    fn commit(&mut self) {
+        let newton = &mut self.newton;
+        for (i, instance) in self.instances.iter_mut().enumerate() {
+            if !newton.active[i] {
+                continue;
+            }
+            std::mem::swap(&mut instance.previous, &mut instance.state);
+            instance.state.clone_from(&newton.states[i]);
+            let frames = &instance.state.frames;
+            let lane = &mut newton.lanes[i];
+            lane.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
+            lane.report.weight = self.skeleton.total_mass() * instance.gravity;
+            let tracking = lane.skeleton.tracking().iter().map(|term| {
+                let (force, torque) = term.load(frames);
+                let bone = term.bone();
+                Load {
+                    bone,
+                    force,
+                    torque,
+                }
+            });
+            let block = |b: usize| DVec3::from_slice(&lane.reaction[3 * b..3 * b + 3]);
+            let pins = instance.pins.iter().map(|pin| Load {
+                bone: pin.bone,
+                force: block(2 * pin.bone),
+                torque: block(2 * pin.bone + 1),
+            });
+            lane.report.loads.extend(tracking.chain(pins));
+            for target in &mut instance.targets {
+                target.previous = target.frame;
+            }
+            for collider in &mut instance.colliders {
+                collider.previous = collider.frame;
+            }
+        }
+    }
+}
+
+/// The skeleton's terms of an instance's next step.
+fn skeleton_terms(
+    model: &SkeletonModel,
+    settings: &Settings,
+    instance: &Instance,
+) -> SkeletonPotential {
+    SkeletonPotential::new(
+        model,
+        &SkeletonStart {
+            time_step: settings.time_step,
+            previous: &instance.previous.frames,
+            current: &instance.state.frames,
+            joint_stiffness: settings.joint_stiffness,
+            bending: &instance.bending,
+            targets: &instance.targets,
+            gravity: instance.gravity,
+        },
+    )
+}

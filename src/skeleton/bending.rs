@@ -1,0 +1,62 @@
+//! Springs that keep the rotation of a bone relative to its parent.
+
+use super::log_derivative::inverse_left_jacobian;
+use super::term::{FrameHessian, FrameTerm, Residual};
+use crate::math::rotation_log;
+use crate::model::Frame;
+use glam::{DMat3, DVec3};
+
+/// How stiffly a bone keeps its rotation relative to its parent. A root has no parent: its entry
+/// does nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bending {
+    /// R₀: the relative rotation R_pᵀR_j at rest.
+    pub rest_rotation: DMat3,
+    /// k, N·m/rad.
+    pub stiffness: f64,
+}
+
+/// E = ½ k |r|², r = log(R_pᵀ R_j R₀⁻¹).
+///
+/// With R ← exp(\[δω\]) R: δr = J_l⁻¹(r) R_pᵀ (δω_j − δω_p).
+#[derive(Clone, Copy, Debug)]
+pub struct BendingSpring {
+    /// j.
+    pub child: usize,
+    /// p.
+    pub parent: usize,
+    /// R₀ and k.
+    pub bending: Bending,
+}
+
+impl BendingSpring {
+    /// r, rad.
+    fn residual(&self, frames: &[Frame]) -> DVec3 {
+        let (parent, child) = (&frames[self.parent], &frames[self.child]);
+        rotation_log(
+            parent.rotation.transpose() * child.rotation * self.bending.rest_rotation.transpose(),
+        )
+    }
+}
+
+impl FrameTerm for BendingSpring {
+    fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
+        let (r, r0) = (self.residual(frames), self.residual(base));
+        0.5 * self.bending.stiffness * (r - r0).dot(r + r0)
+    }
+
+    fn add_derivatives(
+        &self,
+        frames: &[Frame],
+        gradient: &mut [f64],
+        hessian: &mut FrameHessian<'_>,
+    ) {
+        let r = self.residual(frames);
+        let slope = inverse_left_jacobian(r) * frames[self.parent].rotation.transpose();
+        let residual = Residual {
+            jacobian: [(2 * self.child + 1, slope), (2 * self.parent + 1, -slope)],
+        };
+        residual.add_gradient(self.bending.stiffness * r, gradient);
+        residual.add_hessian(self.bending.stiffness, hessian);
+    }
+}

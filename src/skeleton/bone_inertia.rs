@@ -1,0 +1,120 @@
+//! Inertia of rigid bones.
+
+use super::term::{FrameHessian, FrameTerm, add_block};
+use crate::math::skew;
+use crate::model::{BoneMass, Frame};
+use glam::{DMat3, DVec3};
+
+/// E = 1/(2h²) tr((A − Â) S (A − Â)ᵀ), A = \[R | c\] (3×4), Â = 2Aⁿ − Aⁿ⁻¹.
+///
+/// S = ∫ρ y yᵀ dV, y = (X − J, 1): exactly Σ m/(2h²) |x − x̂|² over the bone's own matter. Its
+/// Gauss–Newton Hessian is the rigid body's mass matrix over h².
+#[derive(Clone, Copy, Debug)]
+pub struct BoneInertia {
+    bone: usize,
+    /// S in blocks: ∫ρ yyᵀ, ∫ρ y and the mass.
+    second: DMat3,
+    first: DVec3,
+    mass: f64,
+    /// 1/h².
+    inverse_square_step: f64,
+    /// Aⁿ, and Aⁿ − Aⁿ⁻¹ in place of Â, so that increments are all that is ever subtracted.
+    current: Frame,
+    increment: (DMat3, DVec3),
+}
+
+impl BoneInertia {
+    /// The term of `bone` in a step of `time_step` from `current`, coming from `previous`.
+    pub fn new(
+        bone: usize,
+        mass: &BoneMass,
+        previous: &Frame,
+        current: &Frame,
+        time_step: f64,
+    ) -> Self {
+        let s = &mass.second_moment;
+        let column = |j: usize| DVec3::new(s[0][j], s[1][j], s[2][j]);
+        Self {
+            bone,
+            second: DMat3::from_cols(column(0), column(1), column(2)),
+            first: column(3),
+            mass: s[3][3],
+            inverse_square_step: 1.0 / (time_step * time_step),
+            current: *current,
+            increment: (
+                current.rotation - previous.rotation,
+                current.position - previous.position,
+            ),
+        }
+    }
+
+    /// A − Â = (A − Aⁿ) − (Aⁿ − Aⁿ⁻¹).
+    fn deviation(&self, frame: &Frame) -> (DMat3, DVec3) {
+        (
+            frame.rotation - self.current.rotation - self.increment.0,
+            frame.position - self.current.position - self.increment.1,
+        )
+    }
+
+    /// D S in its first three columns and its last one.
+    fn weighted(&self, (rotation, position): (DMat3, DVec3)) -> (DMat3, DVec3) {
+        let outer = DMat3::from_cols(
+            position * self.first.x,
+            position * self.first.y,
+            position * self.first.z,
+        );
+        (
+            rotation * self.second + outer,
+            rotation * self.first + position * self.mass,
+        )
+    }
+}
+
+impl FrameTerm for BoneInertia {
+    fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
+        let (base, frame) = (&base[self.bone], &frames[self.bone]);
+        let (r, c) = self.deviation(frame);
+        let (r0, c0) = self.deviation(base);
+        // tr(D S Dᵀ) − tr(D₀ S D₀ᵀ) = ⟨A − A₀, (D + D₀) S⟩
+        let (wr, wc) = self.weighted((r + r0, c + c0));
+        let step = frame.rotation - base.rotation;
+        let columns = (0..3).map(|k| step.col(k).dot(wr.col(k))).sum::<f64>();
+        0.5 * self.inverse_square_step * (columns + (frame.position - base.position).dot(wc))
+    }
+
+    fn add_derivatives(
+        &self,
+        frames: &[Frame],
+        gradient: &mut [f64],
+        hessian: &mut FrameHessian<'_>,
+    ) {
+        let frame = &frames[self.bone];
+        let (translation, rotation) = (2 * self.bone, 2 * self.bone + 1);
+        let scale = self.inverse_square_step;
+        let (wr, wc) = self.weighted(self.deviation(frame));
+        add_block(gradient, translation, scale * wc);
+        // ∫ρ (R y) × (D y) is the axial vector of N − Nᵀ with N = (D S)₃ Rᵀ.
+        let n = wr * frame.rotation.transpose();
+        let torque = DVec3::new(
+            n.y_axis.z - n.z_axis.y,
+            n.z_axis.x - n.x_axis.z,
+            n.x_axis.y - n.y_axis.x,
+        );
+        add_block(gradient, rotation, scale * torque);
+
+        let first = frame.rotation * self.first;
+        let second = frame.rotation * self.second * frame.rotation.transpose();
+        let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+        hessian.add(
+            translation,
+            translation,
+            DMat3::IDENTITY * (scale * self.mass),
+        );
+        hessian.add(rotation, translation, skew(first) * scale);
+        hessian.add(
+            rotation,
+            rotation,
+            (DMat3::from_diagonal(DVec3::splat(trace)) - second) * scale,
+        );
+    }
+}

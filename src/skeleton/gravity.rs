@@ -1,0 +1,118 @@
+//! Gravity as a function of the pose alone.
+
+use super::term::{FrameHessian, FrameTerm, add_block};
+use crate::model::{Avatar, Frame, pose_feature};
+use glam::DVec3;
+
+/// Mass and first moment of the matter that each bone carries, about its joint.
+///
+/// Of the tissue: M0_j = Σ m_i w_ij and M1_j = Σ m_i w_ij (x̄_i − J_j) over the cubature points. x̄ is
+/// linear in the pose feature, and so is M1.
+#[derive(Clone, Debug)]
+pub struct TissueMoments {
+    parents: Vec<Option<u32>>,
+    /// M0, kg.
+    mass: Vec<f64>,
+    /// M1 of the undeformed reference shape, kg m.
+    first: Vec<DVec3>,
+    /// ∂M1_j/∂feature_k at `k * bones + j`, kg m.
+    blend: Vec<DVec3>,
+}
+
+impl TissueMoments {
+    /// The moments of `avatar`'s cubature points.
+    pub fn new(avatar: &Avatar) -> Self {
+        let (points, bones) = (&avatar.cubature, avatar.skeleton.len());
+        let features = points.pose_blend.features;
+        let mut out = Self {
+            parents: avatar.skeleton.parents.clone(),
+            mass: vec![0.0; bones],
+            first: vec![DVec3::ZERO; bones],
+            blend: vec![DVec3::ZERO; features * bones],
+        };
+        for i in 0..points.len() {
+            for w in points.skinning.row(i) {
+                let j = w.bone as usize;
+                let share = avatar.density * points.measure[i] * w.weight;
+                out.mass[j] += share;
+                out.first[j] += share * (points.position[i] - avatar.skeleton.joints[j]);
+                for k in 0..features {
+                    let column = points.pose_blend.columns[k * points.len() + i];
+                    out.blend[k * bones + j] += share * DVec3::from(column.map(f64::from));
+                }
+            }
+        }
+        out
+    }
+
+    /// M1 with x̄ of the pose `frames`.
+    fn first_moments(&self, frames: &[Frame]) -> Vec<DVec3> {
+        let mut first = self.first.clone();
+        if !self.blend.is_empty() {
+            let feature = pose_feature(&self.parents, frames);
+            for (value, columns) in feature.iter().zip(self.blend.chunks(first.len())) {
+                for (moment, column) in first.iter_mut().zip(columns) {
+                    *moment += *value * *column;
+                }
+            }
+        }
+        first
+    }
+}
+
+/// E = −Σ_j g · (R_j M1_j + M0_j c_j), over bones and, where the rest shape already sags under
+/// gravity, the tissue at φ = 0. Linear in positions: its Gauss–Newton Hessian is 0.
+#[derive(Clone, Debug)]
+pub struct FrameGravity {
+    gravity: DVec3,
+    mass: Vec<f64>,
+    first: Vec<DVec3>,
+}
+
+impl FrameGravity {
+    /// The bones' own moments `(mass, first)`, and the tissue's with x̄ of the pose `current`.
+    pub fn new(
+        gravity: DVec3,
+        bones: &[(f64, DVec3)],
+        tissue: Option<&TissueMoments>,
+        current: &[Frame],
+    ) -> Self {
+        let (mut mass, mut first): (Vec<f64>, Vec<DVec3>) = bones.iter().copied().unzip();
+        if let Some(tissue) = tissue {
+            for (j, moment) in tissue.first_moments(current).into_iter().enumerate() {
+                mass[j] += tissue.mass[j];
+                first[j] += moment;
+            }
+        }
+        Self {
+            gravity,
+            mass,
+            first,
+        }
+    }
+}
+
+impl FrameTerm for FrameGravity {
+    fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
+        let moved = |j: usize| {
+            (frames[j].rotation - base[j].rotation) * self.first[j]
+                + self.mass[j] * (frames[j].position - base[j].position)
+        };
+        -(0..frames.len())
+            .map(|j| self.gravity.dot(moved(j)))
+            .sum::<f64>()
+    }
+
+    fn add_derivatives(
+        &self,
+        frames: &[Frame],
+        gradient: &mut [f64],
+        _hessian: &mut FrameHessian<'_>,
+    ) {
+        for (j, frame) in frames.iter().enumerate() {
+            add_block(gradient, 2 * j, -self.mass[j] * self.gravity);
+            let lever = frame.rotation * self.first[j];
+            add_block(gradient, 2 * j + 1, -lever.cross(self.gravity));
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! All of the skeleton's terms together.
+
+use super::bending::{Bending, BendingSpring};
+use super::bone_inertia::BoneInertia;
+use super::gravity::{FrameGravity, TissueMoments};
+use super::joint::JointSpring;
+use super::term::{FrameHessian, FrameTerm};
+use super::tracking::{Tracking, TrackingSpring};
+use crate::model::{Avatar, BoneMass, Frame, Skeleton};
+use glam::DVec3;
+use serde::Serialize;
+
+/// What stays constant while the skeleton moves.
+#[derive(Clone, Debug)]
+pub struct SkeletonModel {
+    skeleton: Skeleton,
+    masses: Vec<BoneMass>,
+    /// The tissue's moments where its weight loads the bones and not the handles.
+    tissue: Option<TissueMoments>,
+    /// Mass of bones and tissue, kg.
+    total_mass: f64,
+}
+
+impl SkeletonModel {
+    /// The skeleton of `avatar`.
+    pub fn new(avatar: &Avatar) -> Self {
+        let bones: f64 = avatar
+            .bone_masses
+            .iter()
+            .map(|b| b.second_moment[3][3])
+            .sum();
+        Self {
+            skeleton: avatar.skeleton.clone(),
+            masses: avatar.bone_masses.clone(),
+            tissue: avatar
+                .captured_under_gravity
+                .then(|| TissueMoments::new(avatar)),
+            total_mass: bones + avatar.tissue_mass(),
+        }
+    }
+
+    /// The bones' tree.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// Mass of bones and tissue, kg.
+    pub fn total_mass(&self) -> f64 {
+        self.total_mass
+    }
+}
+
+/// What a step of the skeleton starts from.
+#[derive(Clone, Copy, Debug)]
+pub struct SkeletonStart<'a> {
+    /// h, s.
+    pub time_step: f64,
+    /// Frames of qⁿ⁻¹.
+    pub previous: &'a [Frame],
+    /// Frames of qⁿ.
+    pub current: &'a [Frame],
+    /// k of the joint springs, N/m.
+    pub joint_stiffness: f64,
+    /// One for each bone.
+    pub bending: &'a [Bending],
+    /// Targets of bones.
+    pub targets: &'a [Tracking],
+    /// Gravity, m/s².
+    pub gravity: DVec3,
+}
+
+/// The skeleton's energies, J; as differences from qⁿ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SkeletonEnergies {
+    /// Bone inertia.
+    pub inertia: f64,
+    /// Joint springs.
+    pub joint: f64,
+    /// Bending springs.
+    pub bending: f64,
+    /// Springs and dampers of targets.
+    pub tracking: f64,
+    /// Gravity on bones, and on the tissue at φ = 0.
+    pub gravity: f64,
+}
+
+impl SkeletonEnergies {
+    /// Their sum.
+    pub fn total(&self) -> f64 {
+        self.inertia + self.joint + self.bending + self.tracking + self.gravity
+    }
+}
+
+/// The skeleton's energy in one step of one instance.
+#[derive(Clone, Debug)]
+pub struct SkeletonPotential {
+    frames: usize,
+    inertia: Vec<BoneInertia>,
+    joints: Vec<JointSpring>,
+    bending: Vec<BendingSpring>,
+    tracking: Vec<TrackingSpring>,
+    gravity: FrameGravity,
+}
+
+impl SkeletonPotential {
+    /// The terms of a step.
+    pub fn new(model: &SkeletonModel, start: &SkeletonStart<'_>) -> Self {
+        let skeleton = &model.skeleton;
+        let pairs = || {
+            skeleton
+                .parents
+                .iter()
+                .enumerate()
+                .filter_map(|(child, parent)| Some((child, (*parent)? as usize)))
+        };
+        let inertia = |(j, mass)| {
+            let (previous, current) = (&start.previous[j], &start.current[j]);
+            BoneInertia::new(j, mass, previous, current, start.time_step)
+        };
+        let moments: Vec<_> = model.masses.iter().map(BoneMass::moments).collect();
+        Self {
+            frames: skeleton.len(),
+            inertia: model.masses.iter().enumerate().map(inertia).collect(),
+            joints: pairs()
+                .map(|(child, parent)| JointSpring {
+                    child,
+                    parent,
+                    offset: skeleton.joints[child] - skeleton.joints[parent],
+                    stiffness: start.joint_stiffness,
+                })
+                .collect(),
+            bending: pairs()
+                .map(|(child, parent)| BendingSpring {
+                    child,
+                    parent,
+                    bending: start.bending[child],
+                })
+                .collect(),
+            tracking: start
+                .targets
+                .iter()
+                .map(|&target| TrackingSpring::new(target, start.current, start.time_step))
+                .collect(),
+            gravity: FrameGravity::new(
+                start.gravity,
+                &moments,
+                model.tissue.as_ref(),
+                start.current,
+            ),
+        }
+    }
+
+    /// E(frames) − E(base), term by term.
+    pub fn difference(&self, base: &[Frame], frames: &[Frame]) -> SkeletonEnergies {
+        fn sum<T: FrameTerm>(terms: &[T], base: &[Frame], frames: &[Frame]) -> f64 {
+            terms.iter().map(|t| t.difference(base, frames)).sum()
+        }
+        SkeletonEnergies {
+            inertia: sum(&self.inertia, base, frames),
+            joint: sum(&self.joints, base, frames),
+            bending: sum(&self.bending, base, frames),
+            tracking: sum(&self.tracking, base, frames),
+            gravity: self.gravity.difference(base, frames),
+        }
+    }
+
+    /// Adds the gradient and the Gauss–Newton Hessian at `frames` to the packed ones of the tissue.
+    pub fn add_derivatives(&self, frames: &[Frame], gradient: &mut [f64], packed: &mut [[f64; 9]]) {
+        let hessian = &mut FrameHessian::new(packed, self.frames);
+        for term in &self.inertia {
+            term.add_derivatives(frames, gradient, hessian);
+        }
+        for term in &self.joints {
+            term.add_derivatives(frames, gradient, hessian);
+        }
+        for term in &self.bending {
+            term.add_derivatives(frames, gradient, hessian);
+        }
+        for term in &self.tracking {
+            term.add_derivatives(frames, gradient, hessian);
+        }
+        self.gravity.add_derivatives(frames, gradient, hessian);
+    }
+
+    /// The terms of targets.
+    pub fn tracking(&self) -> &[TrackingSpring] {
+        &self.tracking
+    }
+}

@@ -1,0 +1,83 @@
+//! What an energy of the bones' frames provides.
+
+use crate::model::Frame;
+use glam::{DMat3, DVec3};
+
+/// An energy of frames.
+pub trait FrameTerm {
+    /// E(frames) − E(base), J, from increments.
+    fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64;
+
+    /// Adds ∂E/∂(c, ω) into `gradient` (three scalars a block, [`Space`](crate::model::Space) order)
+    /// and the positive semi-definite Gauss–Newton Hessian into `hessian`.
+    fn add_derivatives(
+        &self,
+        frames: &[Frame],
+        gradient: &mut [f64],
+        hessian: &mut FrameHessian<'_>,
+    );
+}
+
+/// The frame–frame part of the packed Hessian: the lower block triangle, row after row, which
+/// [`BlockPattern`](crate::potential::BlockPattern) puts first and keeps dense.
+pub struct FrameHessian<'a> {
+    blocks: &'a mut [[f64; 9]],
+}
+
+impl<'a> FrameHessian<'a> {
+    /// The first blocks of a packed Hessian with `frames` frames.
+    pub fn new(packed: &'a mut [[f64; 9]], frames: usize) -> Self {
+        let rows = 2 * frames;
+        Self {
+            blocks: &mut packed[..rows * (rows + 1) / 2],
+        }
+    }
+
+    /// Adds `value` to block (`row`, `column`), and by symmetry its transpose to (`column`, `row`).
+    /// A block on the diagonal is added once.
+    pub fn add(&mut self, row: usize, column: usize, value: DMat3) {
+        let (row, column, value) = if row >= column {
+            (row, column, value)
+        } else {
+            (column, row, value.transpose())
+        };
+        let block = &mut self.blocks[row * (row + 1) / 2 + column];
+        for (entry, v) in block.iter_mut().zip(value.to_cols_array()) {
+            *entry += v;
+        }
+    }
+}
+
+/// A residual r of a term ½k|r|² and its derivatives ∂r/∂(block).
+pub struct Residual<const N: usize> {
+    /// (block, ∂r/∂block).
+    pub jacobian: [(usize, DMat3); N],
+}
+
+impl<const N: usize> Residual<N> {
+    /// Gradient Jᵀ f, with f = ∂E/∂r.
+    pub fn add_gradient(&self, f: DVec3, gradient: &mut [f64]) {
+        for (block, jacobian) in &self.jacobian {
+            add_block(gradient, *block, jacobian.transpose() * f);
+        }
+    }
+
+    /// Gauss–Newton Hessian k JᵀJ.
+    pub fn add_hessian(&self, k: f64, hessian: &mut FrameHessian<'_>) {
+        for (i, (row, left)) in self.jacobian.iter().enumerate() {
+            for (column, right) in &self.jacobian[..=i] {
+                hessian.add(*row, *column, left.transpose() * *right * k);
+            }
+        }
+    }
+}
+
+/// Adds a 3-vector to a block of a gradient.
+pub(super) fn add_block(gradient: &mut [f64], block: usize, value: DVec3) {
+    for (entry, v) in gradient[3 * block..3 * block + 3]
+        .iter_mut()
+        .zip(value.to_array())
+    {
+        *entry += v;
+    }
+}
