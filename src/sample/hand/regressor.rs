@@ -1,0 +1,92 @@
+//! The joint regressor: each joint as a combination of the skin vertices around it, exact for the
+//! template and close under every shape direction.
+
+use super::anatomy::parent;
+use crate::math::Rows;
+use crate::model::{SkinWeight, Surface};
+use crate::{Error, Result};
+use faer::Mat;
+use faer::prelude::Solve;
+use glam::DVec3;
+
+/// Weight of a joint's motion under shape directions against its place in the template: a tenth
+/// of a millimetre in one unit matters as much as a micrometre there.
+const SHAPE_SHARE: f64 = 1e-1;
+/// Tikhonov term against huge coefficients, relative to the trace.
+const RIDGE: f64 = 1e-12;
+
+fn share(row: &[SkinWeight], bone: usize) -> f64 {
+    row.iter()
+        .filter(|w| w.bone as usize == bone)
+        .map(|w| w.weight)
+        .sum()
+}
+
+/// How much vertex `v` belongs to the ring around joint `j`.
+fn closeness(j: usize, position: DVec3, row: &[SkinWeight]) -> f64 {
+    match parent(j) {
+        Some(p) => 4.0 * share(row, j) * share(row, p as usize),
+        None => (1.0 - position.x.abs() / 12.0).max(0.0),
+    }
+}
+
+/// The minimum-norm coefficients a (Σ a²/closeness) with Σ a = 1, Σ a x = J and, for every shape
+/// direction, Σ a d = δJ: a = C Bᵀ (B C Bᵀ)⁻¹ b.
+pub(super) fn joint_regressor(
+    skin: &Surface,
+    weights: &Rows<SkinWeight>,
+    joints: &[DVec3],
+    directions: &[Vec<DVec3>],
+    joint_motions: &[Vec<DVec3>],
+) -> Result<Rows<(u32, f64)>> {
+    let mut rows = Vec::with_capacity(joints.len());
+    for (j, &joint) in joints.iter().enumerate() {
+        let ring: Vec<(usize, f64)> = (0..skin.positions.len())
+            .map(|v| (v, closeness(j, skin.positions[v], weights.row(v))))
+            .filter(|&(_, c)| c > 0.1)
+            .collect();
+        let constraints = 4 + 3 * directions.len();
+        let column = |v: usize| {
+            let mut c = vec![1.0];
+            // About the joint, in cm: all constraints of similar size.
+            c.extend((0.1 * (skin.positions[v] - joint)).to_array());
+            for d in directions {
+                c.extend((SHAPE_SHARE * d[v]).to_array());
+            }
+            c
+        };
+        let mut right = vec![1.0, 0.0, 0.0, 0.0];
+        for motion in joint_motions {
+            right.extend((SHAPE_SHARE * motion[j]).to_array());
+        }
+        let columns: Vec<Vec<f64>> = ring.iter().map(|&(v, _)| column(v)).collect();
+        let mut gram = Mat::<f64>::zeros(constraints, constraints);
+        for (c, &(_, closeness)) in columns.iter().zip(&ring) {
+            for a in 0..constraints {
+                for b in 0..constraints {
+                    gram[(a, b)] += closeness * c[a] * c[b];
+                }
+            }
+        }
+        let trace: f64 = (0..constraints).map(|a| gram[(a, a)]).sum();
+        for a in 0..constraints {
+            gram[(a, a)] += RIDGE * trace;
+        }
+        let factor = gram.llt(faer::Side::Lower).map_err(|e| Error::Solve {
+            system: "joint regressor",
+            problem: format!("joint {j}: {e:?}"),
+        })?;
+        let rhs = Mat::from_fn(constraints, 1, |a, _| right[a]);
+        let multiplier = factor.solve(&rhs);
+        rows.push(
+            ring.iter()
+                .zip(&columns)
+                .map(|(&(v, closeness), c)| {
+                    let value: f64 = (0..constraints).map(|a| c[a] * multiplier[(a, 0)]).sum();
+                    (v as u32, closeness * value)
+                })
+                .collect::<Vec<_>>(),
+        );
+    }
+    Ok(rows.into_iter().collect())
+}

@@ -1,0 +1,185 @@
+//! Isotropic remeshing of an implicit surface to a given number of vertices.
+//!
+//! Split, collapse, flip, relax and project, after Botsch and Kobbelt (2004), with an edge length
+//! that varies over the surface.
+
+use super::topology::EditMesh;
+use crate::math::par_map;
+use glam::DVec3;
+
+/// What the remesher asks of a surface.
+pub(super) trait Implicit: Sync {
+    /// `p` moved onto the surface.
+    fn project(&self, p: DVec3) -> DVec3;
+    /// Wanted edge length near `p`, up to a common factor.
+    fn edge_length(&self, p: DVec3) -> f64;
+}
+
+/// Remeshes a closed surface to exactly `vertices` vertices.
+pub(super) fn remesh(
+    surface: &dyn Implicit,
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    vertices: usize,
+) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut mesh = EditMesh::new(positions, triangles);
+    let mut factor = 1.0;
+    for _ in 0..12 {
+        let sizes = sizes(surface, &mesh);
+        collapse_short(&mut mesh, surface, &sizes, factor);
+        let sizes = self::sizes(surface, &mesh);
+        split_long(&mut mesh, surface, &sizes, factor);
+        improve(&mut mesh, surface, 2);
+        // Edges per vertex are fixed, so the count goes with the inverse square of the length.
+        let excess = mesh.vertex_count() as f64 / vertices as f64;
+        factor *= excess.powf(0.4).clamp(0.7, 1.4);
+    }
+    settle(&mut mesh, surface, vertices);
+    improve(&mut mesh, surface, 8);
+    mesh.compact()
+}
+
+/// Wanted edge length at each vertex.
+fn sizes(surface: &dyn Implicit, mesh: &EditMesh) -> Vec<f64> {
+    par_map(mesh.positions.len(), |v| {
+        surface.edge_length(mesh.positions[v])
+    })
+}
+
+fn middle(mesh: &EditMesh, surface: &dyn Implicit, a: u32, b: u32) -> DVec3 {
+    surface.project(0.5 * (mesh.positions[a as usize] + mesh.positions[b as usize]))
+}
+
+fn collapse_short(mesh: &mut EditMesh, surface: &dyn Implicit, sizes: &[f64], factor: f64) {
+    let wanted = |a: u32, b: u32| 0.5 * factor * (sizes[a as usize] + sizes[b as usize]);
+    let mut moved = vec![false; mesh.positions.len()];
+    // A vertex moves once a pass, so that lengths seen are current.
+    loop {
+        let mut collapsed = 0;
+        let mut edges = mesh.edges();
+        edges.retain(|&(a, b)| mesh.length(a, b) < 0.8 * wanted(a, b));
+        edges.sort_by(|x, y| {
+            let ratio = |e: &(u32, u32)| mesh.length(e.0, e.1) / wanted(e.0, e.1);
+            ratio(x).total_cmp(&ratio(y)).then(x.cmp(y))
+        });
+        moved.iter_mut().for_each(|m| *m = false);
+        for (a, b) in edges {
+            if moved[a as usize] || moved[b as usize] {
+                continue;
+            }
+            let target = middle(mesh, surface, a, b);
+            let long = |v: u32| {
+                mesh.neighbours(v).into_iter().any(|n| {
+                    n != a
+                        && n != b
+                        && mesh.positions[n as usize].distance(target) > 1.4 * wanted(v, n)
+                })
+            };
+            if long(a) || long(b) {
+                continue;
+            }
+            if mesh.collapse(a, b, target) {
+                moved[a as usize] = true;
+                moved[b as usize] = true;
+                collapsed += 1;
+            }
+        }
+        if collapsed == 0 {
+            break;
+        }
+    }
+}
+
+fn split_long(mesh: &mut EditMesh, surface: &dyn Implicit, sizes: &[f64], factor: f64) {
+    for (a, b) in mesh.edges() {
+        let wanted = 0.5 * factor * (sizes[a as usize] + sizes[b as usize]);
+        if mesh.length(a, b) > 1.35 * wanted {
+            let position = middle(mesh, surface, a, b);
+            mesh.split(a, b, position);
+        }
+    }
+}
+
+/// Collapses the shortest or splits the longest edges one by one until the count is met.
+fn settle(mesh: &mut EditMesh, surface: &dyn Implicit, vertices: usize) {
+    while mesh.vertex_count() != vertices {
+        let surplus = mesh.vertex_count() > vertices;
+        let mut edges: Vec<(f64, u32, u32)> = mesh
+            .edges()
+            .into_iter()
+            .map(|(a, b)| {
+                let at = 0.5 * (mesh.positions[a as usize] + mesh.positions[b as usize]);
+                (mesh.length(a, b) / surface.edge_length(at), a, b)
+            })
+            .collect();
+        edges.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        if surplus {
+            let mut done = false;
+            for (_, a, b) in edges {
+                let position = middle(mesh, surface, a, b);
+                if mesh.collapse(a, b, position) {
+                    done = true;
+                    break;
+                }
+            }
+            if !done {
+                return;
+            }
+        } else if let Some(&(_, a, b)) = edges.last() {
+            let position = middle(mesh, surface, a, b);
+            mesh.split(a, b, position);
+        }
+    }
+}
+
+/// Flips towards valence 6, then moves vertices along the surface to even out the triangles.
+fn improve(mesh: &mut EditMesh, surface: &dyn Implicit, rounds: usize) {
+    for _ in 0..rounds {
+        flip_to_regular(mesh);
+        relax(mesh, surface);
+    }
+}
+
+fn flip_to_regular(mesh: &mut EditMesh) {
+    let deviation = |v: usize| (v as f64 - 6.0).powi(2);
+    for (a, b) in mesh.edges() {
+        let Some((c, d)) = mesh.wing(a, b) else {
+            continue;
+        };
+        let [va, vb, vc, vd] = [a, b, c, d].map(|v| mesh.valence(v));
+        if va <= 3 || vb <= 3 {
+            continue;
+        }
+        let before = deviation(va) + deviation(vb) + deviation(vc) + deviation(vd);
+        let after = deviation(va - 1) + deviation(vb - 1) + deviation(vc + 1) + deviation(vd + 1);
+        // Ties go to the shorter diagonal.
+        let shorter = mesh.length(c, d) < 0.8 * mesh.length(a, b);
+        if after < before || (after == before && shorter) {
+            mesh.flip(a, b);
+        }
+    }
+}
+
+/// Area-weighted tangential smoothing with back-projection.
+fn relax(mesh: &mut EditMesh, surface: &dyn Implicit) {
+    let moved: Vec<DVec3> = par_map(mesh.positions.len(), |v| {
+        let v = v as u32;
+        let here = mesh.positions[v as usize];
+        if !mesh.is_live(v) {
+            return here;
+        }
+        let (mut centre, mut total, mut normal) = (DVec3::ZERO, 0.0, DVec3::ZERO);
+        for t in mesh.triangles_around(v) {
+            let area = mesh.area_vector(t);
+            let centroid: DVec3 =
+                t.iter().map(|&w| mesh.positions[w as usize]).sum::<DVec3>() / 3.0;
+            let weight = area.length() / surface.edge_length(centroid).powi(2);
+            centre += weight * centroid;
+            total += weight;
+            normal += area;
+        }
+        let step = (centre / total - here).reject_from(normal.normalize_or(DVec3::Z));
+        surface.project(here + 0.7 * step)
+    });
+    mesh.positions = moved;
+}
