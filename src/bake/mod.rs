@@ -1,6 +1,7 @@
 //! Offline: mesh → basis → cubature → one baked avatar.
 
 mod biharmonic;
+pub mod mesh;
 
 pub use biharmonic::{BiharmonicSystem, Constraints, biharmonic_energy};
 

@@ -233,6 +233,7 @@ impl<'a> Lines<'a> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     const TWO_TETS: &str =
         "5 2 1 3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n0 1 2 3\n1 2 3 4\n0\n1 2 3\n";
@@ -294,6 +295,12 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig {
+            cases: 2000,
+            rng_seed: RngSeed::Fixed(1),
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        })]
         #[test]
         fn mutations_never_panic_and_what_passes_is_sound(
             edits in prop::collection::vec((0usize..TWO_TETS.len(), 0usize..16), 1..6)
