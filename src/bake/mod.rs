@@ -1,9 +1,39 @@
 //! Offline: mesh → basis → cubature → one baked avatar.
+//!
+//! The phases, each a file: skin weights inside the layer (`interior`), handles (`handles`) and their
+//! biharmonic basis (`biharmonic`, `truncation`), cubature (`cubature`), values at the points
+//! (`points`), bone masses (`bone_mass`). [`bake`] strings them together by a [`Recipe`], and `file`
+//! keeps the result.
 
+#[allow(clippy::module_inception)]
+mod bake;
 mod biharmonic;
+mod bone_mass;
+mod core_volume;
+mod cubature;
+mod file;
+mod full_space;
+mod handles;
+mod interior;
 pub mod mesh;
+mod points;
+mod recipe;
+mod report;
+mod sampling;
+mod truncation;
 
+pub use bake::{PHASES, Progress, bake};
 pub use biharmonic::{BiharmonicSystem, Constraints, biharmonic_energy};
+pub use bone_mass::{BoneMassReport, bone_masses, surface_mass};
+pub use cubature::{Cubature, CubatureReport, Tissue};
+pub use file::{from_bytes, read_avatar, to_bytes, write_avatar};
+pub use full_space::{all_tets, full_space};
+pub use handles::{HandlePlace, HandleRegion, Handles};
+pub use interior::InteriorField;
+pub use recipe::{CubatureRecipe, Recipe};
+pub use report::BakeReport;
+pub use sampling::{Density, farthest_points};
+pub use truncation::Truncation;
 
 #[cfg(test)]
 mod test_mesh;

@@ -40,7 +40,7 @@ pub trait Hyperelastic {
 /// A hyperelastic energy density of the deformation gradient. A new material is one file, its
 /// kernel, and its lines in this enum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "model", rename_all = "snake_case")]
+#[serde(rename_all = "snake_case")]
 pub enum Material {
     /// Smith et al. 2018.
     StableNeoHookean(StableNeoHookean),

@@ -1,0 +1,208 @@
+//! The bake itself, phase after phase.
+
+use super::biharmonic::BiharmonicSystem;
+use super::bone_mass::bone_masses;
+use super::cubature::{Cubature, Tissue};
+use super::handles::Handles;
+use super::interior::InteriorField;
+use super::mesh::MeshQuality;
+use super::points::{basis_at_tets, basis_on_skin, skinning_at_tets};
+use super::{BakeReport, Recipe};
+use crate::math::Rows;
+use crate::model::{Avatar, Body, PointSet, SoftLayer, TetMesh};
+use crate::{Error, Result};
+use std::time::Instant;
+
+/// The phases of a bake, in order.
+pub const PHASES: [&str; 5] = ["skin weights", "basis", "cubature", "points", "bones"];
+
+/// A basis that misses affine functions by more than this was not determined by its constraints.
+const LINEAR_PRECISION: f64 = 1e-6;
+
+/// Called at the start of each phase with its index in [`PHASES`], and once more with their number.
+pub type Progress<'a> = dyn FnMut(usize) + 'a;
+
+/// Bakes a body: basis at the handles, cubature, skin weights and blend shapes inside, bone masses.
+/// The same body and recipe give the same avatar, bit for bit, whatever the number of threads.
+///
+/// # Errors
+/// [`Error::Invalid`] where the body or the recipe is not usable; [`Error::Solve`] where the layer hangs
+/// together too loosely, or handles stand too close for its mesh.
+pub fn bake(
+    body: &Body,
+    recipe: &Recipe,
+    progress: &mut Progress<'_>,
+) -> Result<(Avatar, BakeReport)> {
+    recipe.validate()?;
+    body.validate()?;
+    let mut clock = Clock::new(progress);
+    let layer = &body.layer;
+    let mesh = &layer.mesh;
+    check_nodes(mesh)?;
+    let quality = MeshQuality::of(mesh);
+    let tissue = Tissue {
+        mesh,
+        fraction: &layer.tissue_fraction,
+    };
+    let areas = body.skin.vertex_areas();
+
+    clock.start(0);
+    let field = InteriorField::new(mesh, &layer.bone_of_node, &layer.skin_embedding, &areas)?;
+    let node_skinning =
+        field.skin_weights(&body.skinning, body.skeleton.len(), recipe.bones_per_point)?;
+
+    clock.start(1);
+    let handles = Handles::place(body, &node_skinning, &recipe.handles)?;
+    let fixed: Vec<bool> = layer.bone_of_node.iter().map(Option::is_some).collect();
+    let system = BiharmonicSystem::new(mesh, &fixed, &handles.constraints)?;
+    let columns = system.basis();
+    let linear_precision = system.linear_precision(mesh, &columns);
+    drop(system);
+    if linear_precision.is_nan() || linear_precision > LINEAR_PRECISION {
+        let problem = format!(
+            "misses affine functions by {linear_precision:.1e}: too few handles and bone nodes, handles too \
+             close together, or a layer in parts"
+        );
+        let system = "biharmonic basis";
+        return Err(Error::Solve { system, problem });
+    }
+    let (basis, truncation_cost) = recipe.truncation.rows(&columns, &tissue.nodal_volumes());
+    drop(columns);
+
+    clock.start(2);
+    let cubature = if recipe.cubature.all_tets {
+        Cubature::all_tets(tissue)
+    } else {
+        Cubature::sampled(tissue, recipe.points_for(handles.positions.len()))?
+    };
+
+    clock.start(3);
+    let points = PointSet {
+        position: (cubature.tets.iter())
+            .map(|&t| mesh.centroid(t as usize))
+            .collect(),
+        measure: cubature.weights,
+        skinning: skinning_at_tets(mesh, &node_skinning, &cubature.tets, recipe.bones_per_point),
+        basis: basis_at_tets(mesh, &basis, &cubature.tets),
+        pose_blend: field.pose_blend(&body.pose_blend, mesh, &cubature.tets),
+    };
+    let skin = PointSet {
+        position: body.skin.positions.clone(),
+        measure: areas.clone(),
+        skinning: body.skinning.clone(),
+        basis: basis_on_skin(&layer.skin_embedding, &basis),
+        pose_blend: body.pose_blend.clone(),
+    };
+
+    clock.start(4);
+    let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
+    let seconds = clock.finish();
+
+    let avatar = Avatar {
+        name: body.name.clone(),
+        skeleton: body.skeleton.clone(),
+        bone_masses: masses,
+        handles: handles.positions,
+        cubature: points,
+        skin,
+        triangles: body.skin.triangles.clone(),
+        material: recipe.material,
+        density: recipe.density,
+        damping_time: recipe.damping_time,
+        captured_under_gravity: recipe.captured_under_gravity,
+        layer: SoftLayer {
+            mesh: mesh.clone(),
+            tissue_fraction: layer.tissue_fraction.clone(),
+            bone_of_node: layer.bone_of_node.clone(),
+            skinning: node_skinning,
+            basis,
+            skin_embedding: layer.skin_embedding.clone(),
+        },
+    };
+    avatar.validate()?;
+    let report = BakeReport {
+        name: avatar.name.clone(),
+        nodes: quality.nodes,
+        free_nodes: fixed.iter().filter(|f| !**f).count(),
+        tets: quality.tets,
+        smallest_dihedral: quality.smallest_dihedral,
+        median_dihedral: quality.median_dihedral,
+        largest_dihedral: quality.largest_dihedral,
+        skin_vertices: avatar.skin.len(),
+        handles: avatar.handles.len(),
+        linear_precision,
+        truncation_cost,
+        handles_per_vertex: row_lengths(&avatar.skin.basis),
+        handles_per_point: row_lengths(&avatar.cubature.basis),
+        cubature: cubature.report,
+        bones,
+        tissue_mass: avatar.tissue_mass(),
+        seconds,
+    };
+    Ok((avatar, report))
+}
+
+/// A node of no tet would be a handle without stiffness.
+fn check_nodes(mesh: &TetMesh) -> Result<()> {
+    let mut used = vec![false; mesh.nodes.len()];
+    (mesh.tets.iter().flatten()).for_each(|&n| used[n as usize] = true);
+    match used.iter().position(|u| !u) {
+        None if !mesh.tets.is_empty() => Ok(()),
+        None => Err(Error::invalid(
+            "layer.mesh",
+            "is empty: mesh the layer first",
+        )),
+        Some(n) => {
+            let problem = format!("node {n} belongs to no tet: remove it");
+            Err(Error::invalid("layer.mesh", problem))
+        }
+    }
+}
+
+/// Mean length of the rows that hold anything, and the longest.
+fn row_lengths<T>(rows: &Rows<T>) -> (f64, usize) {
+    let filled = rows.iter().filter(|r| !r.is_empty()).count();
+    (
+        rows.entries().len() as f64 / filled.max(1) as f64,
+        rows.longest(),
+    )
+}
+
+/// Tells the phases and times them.
+struct Clock<'a, 'b> {
+    progress: &'a mut Progress<'b>,
+    phase: usize,
+    since: Instant,
+    seconds: Vec<(String, f64)>,
+}
+
+impl<'a, 'b> Clock<'a, 'b> {
+    fn new(progress: &'a mut Progress<'b>) -> Self {
+        Self {
+            progress,
+            phase: 0,
+            since: Instant::now(),
+            seconds: Vec::new(),
+        }
+    }
+
+    fn start(&mut self, phase: usize) {
+        if phase > 0 {
+            self.note();
+        }
+        self.phase = phase;
+        self.since = Instant::now();
+        (self.progress)(phase);
+    }
+
+    fn note(&mut self) {
+        let seconds = self.since.elapsed().as_secs_f64();
+        self.seconds.push((PHASES[self.phase].into(), seconds));
+    }
+
+    fn finish(mut self) -> Vec<(String, f64)> {
+        self.note();
+        (self.progress)(PHASES.len());
+        self.seconds
+    }
+}

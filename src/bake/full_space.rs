@@ -1,0 +1,94 @@
+//! Other spaces of the same body: every tet in the same basis, and every node its own handle.
+//!
+//! Against the first, a run shows what the cubature costs; against the second, what the basis costs.
+
+use super::interior::InteriorField;
+use super::points::{basis_at_tets, basis_on_skin, skinning_at_tets};
+use crate::Result;
+use crate::math::Rows;
+use crate::model::{Avatar, PointSet, PoseBlend, SoftLayer, Surface};
+
+/// `avatar` with every tet of its layer as a cubature point, in the same basis.
+///
+/// # Errors
+/// [`crate::Error::Solve`] where pose blend shapes cannot be extended into the layer.
+pub fn all_tets(avatar: &Avatar) -> Result<Avatar> {
+    Ok(Avatar {
+        name: format!("{}, all tets", avatar.name),
+        cubature: whole_layer(avatar, &avatar.layer.basis)?,
+        ..avatar.clone()
+    })
+}
+
+/// `avatar` with every free node as a handle (U is its hat function) and every tet as a point: the
+/// full-space solve, which is the reference for accuracy.
+///
+/// # Errors
+/// As [`all_tets`].
+pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
+    let layer = &avatar.layer;
+    let mut handles = Vec::new();
+    let mut basis = Rows::default();
+    for (node, bone) in layer.bone_of_node.iter().enumerate() {
+        let own = bone.is_none().then(|| {
+            handles.push(layer.mesh.nodes[node]);
+            (handles.len() as u32 - 1, 1.0)
+        });
+        basis.push(own);
+    }
+    let mut skin = avatar.skin.clone();
+    skin.basis = basis_on_skin(&layer.skin_embedding, &basis);
+    Ok(Avatar {
+        name: format!("{}, full space", avatar.name),
+        skeleton: avatar.skeleton.clone(),
+        bone_masses: avatar.bone_masses.clone(),
+        handles,
+        cubature: whole_layer(avatar, &basis)?,
+        skin,
+        triangles: avatar.triangles.clone(),
+        material: avatar.material,
+        density: avatar.density,
+        damping_time: avatar.damping_time,
+        captured_under_gravity: avatar.captured_under_gravity,
+        layer: SoftLayer {
+            basis,
+            ..layer.clone()
+        },
+    })
+}
+
+/// Every tet as a point of measure volume × tissue fraction.
+fn whole_layer(avatar: &Avatar, basis: &Rows<(u32, f64)>) -> Result<PointSet> {
+    let layer = &avatar.layer;
+    let mesh = &layer.mesh;
+    let tets: Vec<u32> = (0..mesh.tets.len() as u32).collect();
+    let pose_blend = if avatar.skin.pose_blend.features > 0 {
+        let skin = Surface {
+            positions: avatar.skin.position.clone(),
+            triangles: avatar.triangles.clone(),
+        };
+        InteriorField::new(
+            mesh,
+            &layer.bone_of_node,
+            &layer.skin_embedding,
+            &skin.vertex_areas(),
+        )?
+        .pose_blend(&avatar.skin.pose_blend, mesh, &tets)
+    } else {
+        PoseBlend::default()
+    };
+    Ok(PointSet {
+        position: tets.iter().map(|&t| mesh.centroid(t as usize)).collect(),
+        measure: (layer.tissue_fraction.iter().enumerate())
+            .map(|(t, fraction)| fraction * mesh.volume(t))
+            .collect(),
+        skinning: skinning_at_tets(
+            mesh,
+            &layer.skinning,
+            &tets,
+            avatar.cubature.skinning.longest(),
+        ),
+        basis: basis_at_tets(mesh, basis, &tets),
+        pose_blend,
+    })
+}
