@@ -14,6 +14,7 @@ mod field;
 mod palmar;
 mod polygonise;
 mod regressor;
+mod relief;
 mod remesh;
 mod shape;
 mod shape_directions;

@@ -42,7 +42,11 @@ pub(super) fn remesh(
 /// Wanted edge length at each vertex.
 fn sizes(surface: &dyn Implicit, mesh: &EditMesh) -> Vec<f64> {
     par_map(mesh.positions.len(), |v| {
-        surface.edge_length(mesh.positions[v])
+        if mesh.is_live(v as u32) {
+            surface.edge_length(mesh.positions[v])
+        } else {
+            1.0
+        }
     })
 }
 
@@ -92,10 +96,14 @@ fn collapse_short(mesh: &mut EditMesh, surface: &dyn Implicit, sizes: &[f64], fa
 
 fn split_long(mesh: &mut EditMesh, surface: &dyn Implicit, sizes: &[f64], factor: f64) {
     for (a, b) in mesh.edges() {
-        let wanted = 0.5 * factor * (sizes[a as usize] + sizes[b as usize]);
-        if mesh.length(a, b) > 1.35 * wanted {
+        let ends = 0.5 * (sizes[a as usize] + sizes[b as usize]);
+        if mesh.length(a, b) > 0.9 * factor * ends {
+            // A narrow feature may lie between the ends.
             let position = middle(mesh, surface, a, b);
-            mesh.split(a, b, position);
+            let wanted = factor * ends.min(surface.edge_length(position));
+            if mesh.length(a, b) > 1.35 * wanted {
+                mesh.split(a, b, position);
+            }
         }
     }
 }
@@ -162,6 +170,7 @@ fn flip_to_regular(mesh: &mut EditMesh) {
 
 /// Area-weighted tangential smoothing with back-projection.
 fn relax(mesh: &mut EditMesh, surface: &dyn Implicit) {
+    let sizes = sizes(surface, mesh);
     let moved: Vec<DVec3> = par_map(mesh.positions.len(), |v| {
         let v = v as u32;
         let here = mesh.positions[v as usize];
@@ -173,7 +182,8 @@ fn relax(mesh: &mut EditMesh, surface: &dyn Implicit) {
             let area = mesh.area_vector(t);
             let centroid: DVec3 =
                 t.iter().map(|&w| mesh.positions[w as usize]).sum::<DVec3>() / 3.0;
-            let weight = area.length() / surface.edge_length(centroid).powi(2);
+            let size: f64 = t.iter().map(|&w| sizes[w as usize]).sum();
+            let weight = area.length() / (size * size);
             centre += weight * centroid;
             total += weight;
             normal += area;

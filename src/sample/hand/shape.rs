@@ -2,10 +2,14 @@
 
 use super::anatomy::Digit;
 use super::field::{Axes, Ellipsoid, Section, Sweep, smooth_max, smooth_min};
+use super::relief::{Detail, Relief};
+use super::remesh::Implicit;
 use glam::DVec3;
 
 /// Where the forearm is cut.
 const CUT: f64 = -30.0;
+/// How far from the smooth surface relief reaches.
+const RELIEF: f64 = 4.0;
 
 /// The implicit hand.
 #[derive(Clone, Debug)]
@@ -15,6 +19,7 @@ pub(super) struct HandShape {
     bulges: Vec<(Ellipsoid, f64)>,
     /// Index, middle, pinky, ring, thumb.
     pub digits: Vec<Sweep>,
+    relief: Relief,
 }
 
 /// Rows of a digit's profile: (segment, fraction of it, half width, height, depth).
@@ -134,12 +139,32 @@ fn bulges() -> Vec<(Ellipsoid, f64)> {
         // First web, between the thumb and the index finger.
         (
             ellipsoid(
-                [58.0, 34.0, -7.0],
-                [0.75, 0.45, -0.1],
+                [55.0, 34.0, -6.0],
+                [0.80, 0.45, -0.1],
                 [0.1, -0.2, 1.0],
-                [20.0, 14.0, 7.0],
+                [17.0, 13.0, 6.5],
             ),
-            10.0,
+            14.0,
+        ),
+        // The hollow's floor.
+        (
+            ellipsoid(
+                [60.0, -4.0, -4.0],
+                [1.0, -0.1, 0.0],
+                [0.0, 0.0, 1.0],
+                [30.0, 25.0, 8.0],
+            ),
+            8.0,
+        ),
+        // Head of the ulna.
+        (
+            ellipsoid(
+                [-9.0, -19.0, 9.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0],
+                [10.0, 7.5, 7.5],
+            ),
+            6.0,
         ),
         // Fat pads below the finger roots.
         (
@@ -174,19 +199,18 @@ impl HandShape {
                 .enumerate()
                 .map(|(d, digit)| digit_sweep(digit, if d == 4 { THUMB } else { FINGER }))
                 .collect(),
+            relief: Relief::new(digits),
         }
+    }
+
+    /// The field of every digit.
+    fn digit_distances(&self, p: DVec3) -> [f64; 5] {
+        std::array::from_fn(|d| self.digits[d].distance(p))
     }
 
     /// The digit whose field is smallest at `p`, with its value.
     pub fn nearest_digit(&self, p: DVec3) -> (usize, f64) {
-        let mut best = (0, f64::MAX);
-        for (d, sweep) in self.digits.iter().enumerate() {
-            let distance = sweep.distance(p);
-            if distance < best.1 {
-                best = (d, distance);
-            }
-        }
-        best
+        nearest(&self.digit_distances(p))
     }
 
     /// The palm and the wrist, without fingers and thumb.
@@ -206,32 +230,72 @@ impl HandShape {
 
     /// The whole skin: negative inside, about the distance (mm) near it.
     pub fn distance(&self, p: DVec3) -> f64 {
-        let fingers = self.digits[..4]
+        let digits = self.digit_distances(p);
+        let fingers = digits[1..4]
             .iter()
-            .map(|d| d.distance(p))
-            .reduce(|a, b| smooth_min(a, b, 3.0))
-            .unwrap_or(f64::MAX);
+            .fold(digits[0], |a, &b| smooth_min(a, b, 3.0));
         let hand = smooth_min(self.palm(p), fingers, 7.0);
-        let hand = smooth_min(hand, self.digits[4].distance(p), 9.0);
-        smooth_max(hand, CUT - p.x, 6.0)
+        let hand = smooth_min(hand, digits[4], 15.0);
+        let smooth = smooth_max(hand, CUT - p.x, 14.0);
+        let near = 1.0 - (smooth / RELIEF).powi(2);
+        if near <= 0.0 {
+            return smooth;
+        }
+        smooth + near * near * self.detail(p, &digits).carve
     }
 
-    /// ∇distance by central differences.
-    pub fn gradient(&self, p: DVec3) -> DVec3 {
-        let h = 1e-3;
-        let slope = |e: DVec3| (self.distance(p + h * e) - self.distance(p - h * e)) / (2.0 * h);
-        DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z))
+    /// Relief at `p`, and the edge length that it asks for.
+    fn detail(&self, p: DVec3, digits: &[f64; 5]) -> Detail {
+        let (digit, distance) = nearest(digits);
+        let of_digit = self
+            .relief
+            .of_digit(digit, &self.digits[digit], distance, p);
+        let of_palm = self.relief.of_palm(p);
+        // Lines of the palm end where a digit begins.
+        let clear = (distance / 3.0).clamp(0.0, 1.0);
+        Detail {
+            carve: of_digit.carve + clear * of_palm.carve,
+            edge: of_digit.edge.min(of_palm.edge + 3.0 * (1.0 - clear)),
+        }
     }
+}
 
+impl Implicit for HandShape {
     /// `p` moved onto the zero level by Newton steps along the gradient.
-    pub fn project(&self, mut p: DVec3) -> DVec3 {
+    fn project(&self, mut p: DVec3) -> DVec3 {
         for _ in 0..4 {
-            let (value, slope) = (self.distance(p), self.gradient(p));
-            if value.abs() < 1e-6 || slope.length_squared() < 1e-6 {
+            let value = self.distance(p);
+            let h = 1e-4;
+            let slope = DVec3::AXES.map(|e| (self.distance(p + h * e) - value) / h);
+            let slope = DVec3::from_array(slope);
+            if value.abs() < 1e-5 || slope.length_squared() < 1e-6 {
                 break;
             }
             p -= (value / slope.length_squared() * slope).clamp_length_max(3.0);
         }
         p
     }
+    fn edge_length(&self, p: DVec3) -> f64 {
+        let digits = self.digit_distances(p);
+        let (digit, distance) = nearest(&digits);
+        let sweep = &self.digits[digit];
+        let [_, tip] = sweep.range();
+        // Finer on digits, and finer still towards their tips; the wrist needs little.
+        let along = (sweep.axes.local(p).x / tip).clamp(0.0, 1.0);
+        let on_digit = (1.0 - distance / 10.0).clamp(0.0, 1.0);
+        let fine = 3.2 - 0.4 * along;
+        let palm = 4.6 + 0.7 * (-p.x / 12.0).clamp(0.0, 1.0);
+        (palm + (fine - palm) * on_digit).min(self.detail(p, &digits).edge)
+    }
+}
+
+/// The smallest of the digits' fields.
+fn nearest(distances: &[f64; 5]) -> (usize, f64) {
+    let mut best = (0, distances[0]);
+    for (d, &distance) in distances.iter().enumerate() {
+        if distance < best.1 {
+            best = (d, distance);
+        }
+    }
+    best
 }
