@@ -10,7 +10,7 @@ mod sparse;
 mod tensor;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
-pub use parallel::{par_each, par_map};
+pub use parallel::{RowsMut, Split, Strided, in_pool, par_each, par_join, par_map, par_split};
 pub use random::Random;
 pub use rotation::{rotation_exp, rotation_log, skew};
 pub use rows::Rows;

@@ -15,7 +15,7 @@ pub use body::{Body, LayerMesh};
 pub use frame::Frame;
 pub use parametric::ParametricModel;
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
-pub use skeleton::{Skeleton, pose_feature};
+pub use skeleton::{Skeleton, pose_feature, pose_feature_into};
 pub use state::{Space, State};
 pub use surface::Surface;
 pub use tet_mesh::TetMesh;

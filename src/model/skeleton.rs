@@ -107,12 +107,18 @@ impl Skeleton {
 /// row (Loper et al. 2015). Bones are in skeleton order.
 pub fn pose_feature(parents: &[Option<u32>], frames: &[Frame]) -> Vec<f64> {
     let mut feature = Vec::with_capacity(9 * parents.len().saturating_sub(1));
+    pose_feature_into(parents, frames, &mut feature);
+    feature
+}
+
+/// [`pose_feature`] into a vector that is kept.
+pub fn pose_feature_into(parents: &[Option<u32>], frames: &[Frame], out: &mut Vec<f64>) {
+    out.clear();
     for (j, parent) in parents.iter().enumerate() {
         if let Some(p) = parent {
             let relative = frames[*p as usize].rotation.transpose() * frames[j].rotation;
             // Rows of the relative rotation are columns of its transpose.
-            feature.extend((relative - DMat3::IDENTITY).transpose().to_cols_array());
+            out.extend((relative - DMat3::IDENTITY).transpose().to_cols_array());
         }
     }
-    feature
 }

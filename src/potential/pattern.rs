@@ -15,6 +15,20 @@ impl BlockPattern {
     /// The pattern of everything that moves `sets` of points. Blocks of frames among themselves are
     /// always there, for the skeleton's terms.
     pub fn new(space: Space, sets: &[&PointSet]) -> Self {
+        let mut blocks = Vec::new();
+        let touched = |set: &&PointSet| -> Rows<u32> {
+            let rows = (0..set.len()).map(|i| {
+                point_blocks(space, set, i, &mut blocks);
+                blocks.clone()
+            });
+            rows.collect()
+        };
+        let touched: Vec<_> = sets.iter().map(touched).collect();
+        Self::from_blocks(space, &touched.iter().collect::<Vec<_>>())
+    }
+
+    /// The pattern of points that each move with a row of blocks.
+    pub fn from_blocks(space: Space, sets: &[&Rows<u32>]) -> Self {
         let mut rows = vec![BTreeSet::new(); space.blocks()];
         for row in 0..2 * space.frames {
             rows[row].extend(0..=row as u32);
@@ -23,13 +37,12 @@ impl BlockPattern {
             rows[row].insert(row as u32);
         }
         let mut touched = Vec::new();
-        for set in sets {
-            for i in 0..set.len() {
-                point_blocks(space, set, i, &mut touched);
-                touched.sort_unstable();
-                for (k, &row) in touched.iter().enumerate() {
-                    rows[row as usize].extend(&touched[..=k]);
-                }
+        for blocks in sets.iter().flat_map(|set| set.iter()) {
+            touched.clear();
+            touched.extend(blocks);
+            touched.sort_unstable();
+            for (k, &row) in touched.iter().enumerate() {
+                rows[row as usize].extend(&touched[..=k]);
             }
         }
         Self {

@@ -1,1 +1,251 @@
 //! The f64 evaluation of the potential: the twin of the kernels, and the fallback where there is no GPU.
+//!
+//! A stage is one file of plain functions of one point, named as its kernel; [`Reference`] runs them
+//! over all points, in parallel and with the same bits whatever the number of threads. The basis is a
+//! trait ([`Basis`]), of which the avatar's scalar one is the plain case.
+
+mod asset;
+mod basis;
+pub mod compact;
+pub mod contact;
+mod difference;
+pub mod displacement;
+mod drawn;
+pub mod elasticity;
+pub mod energy;
+mod evaluate;
+pub mod gradient;
+pub mod hessian;
+mod incidence;
+mod min_det_f;
+mod motion;
+pub mod normals;
+pub mod point_hessian;
+mod points;
+pub mod pose_blend;
+pub mod skin;
+mod step;
+
+pub use basis::{Basis, GeneralBasis};
+pub use incidence::Incidence;
+pub use min_det_f::min_det_f;
+pub use motion::Motion;
+pub use points::Points;
+
+use crate::math::{Rows, in_pool, par_each, par_split};
+use crate::model::{Avatar, BasisEntry, Space, State};
+use crate::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
+use crate::{Error, Result};
+use asset::Asset;
+use drawn::Drawn;
+use evaluate::Instance;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The potential of a batch of avatars on the CPU.
+pub struct Reference<B: Basis = BasisEntry> {
+    asset: Asset<B>,
+    instances: Vec<Instance>,
+    drawn: Vec<Drawn>,
+}
+
+impl Reference {
+    /// Evaluates `instances` avatars of one asset, each with at most `contact_capacity` active contacts.
+    ///
+    /// # Errors
+    /// Where the avatar is not valid or a point names a bone or a handle twice.
+    pub fn new(avatar: Arc<Avatar>, instances: usize, contact_capacity: usize) -> Result<Self> {
+        let (cubature, skin) = (&avatar.cubature.basis.clone(), &avatar.skin.basis.clone());
+        Self::with_basis(avatar, cubature, skin, instances, contact_capacity)
+    }
+}
+
+impl<B: Basis> Reference<B> {
+    /// [`Reference::new`] with another basis than the avatar's own: one row for each cubature point and
+    /// each skin vertex.
+    ///
+    /// # Errors
+    /// As [`Reference::new`].
+    pub fn with_basis(
+        avatar: Arc<Avatar>,
+        cubature: &Rows<B>,
+        skin: &Rows<B>,
+        instances: usize,
+        contact_capacity: usize,
+    ) -> Result<Self> {
+        let asset = Asset::new(avatar, cubature, skin, contact_capacity)?;
+        Ok(Self {
+            instances: (0..instances).map(|_| Instance::new(&asset)).collect(),
+            drawn: (0..instances).map(|_| Drawn::default()).collect(),
+            asset,
+        })
+    }
+
+    fn check_count(&self, field: &'static str, count: usize) -> Result<()> {
+        if count == self.instances.len() {
+            return Ok(());
+        }
+        let expected = self.instances.len();
+        Err(Error::invalid(
+            field,
+            format!("{count} given for {expected} instances"),
+        ))
+    }
+
+    fn check_state(&self, state: &State) -> Result<()> {
+        if state.space() != self.asset.space {
+            return Err(Error::invalid(
+                "state",
+                format!("has {:?}, expected {:?}", state.space(), self.asset.space),
+            ));
+        }
+        if !state.is_finite() {
+            return Err(Error::NotFinite { quantity: "state" });
+        }
+        Ok(())
+    }
+
+    fn check_begun(&self, instance: usize) -> Result<()> {
+        match self.instances.get(instance) {
+            Some(found) if found.step.time_step > 0.0 => Ok(()),
+            Some(_) => Err(Error::invalid(
+                "instance",
+                format!("{instance} has begun no step: call begin_step first"),
+            )),
+            None => Err(Error::invalid(
+                "instance",
+                format!("{instance} of {}", self.instances.len()),
+            )),
+        }
+    }
+
+    fn check_start(&self, start: &StepStart<'_>) -> Result<()> {
+        self.check_state(start.previous)?;
+        self.check_state(start.current)?;
+        if !(start.time_step > 0.0 && start.time_step.is_finite()) {
+            return Err(Error::invalid(
+                "time_step",
+                format!("{}; must be positive (s)", start.time_step),
+            ));
+        }
+        if !start.tissue_gravity.is_finite() {
+            return Err(Error::invalid("tissue_gravity", "is not finite"));
+        }
+        start.colliders.iter().try_for_each(|c| c.validate())
+    }
+}
+
+impl<B: Basis> Potential for Reference<B> {
+    fn name(&self) -> String {
+        "cpu".into()
+    }
+
+    fn space(&self) -> Space {
+        self.asset.space
+    }
+
+    fn pattern(&self) -> &BlockPattern {
+        &self.asset.pattern
+    }
+
+    fn instances(&self) -> usize {
+        self.instances.len()
+    }
+
+    async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
+        self.check_count("starts", starts.len())?;
+        self.check_count("active", active.len())?;
+        for (start, _) in starts.iter().zip(active).filter(|(_, active)| **active) {
+            self.check_start(start)?;
+        }
+        let asset = &self.asset;
+        in_pool(|| {
+            par_each(&mut self.instances, 1, |i, instance| {
+                if active[i] {
+                    instance.begin_step(asset, &starts[i]);
+                }
+            });
+        });
+        Ok(())
+    }
+
+    async fn evaluate(
+        &mut self,
+        states: &[State],
+        active: &[bool],
+        out: &mut [Evaluation],
+    ) -> Result<()> {
+        self.check_count("states", states.len())?;
+        self.check_count("active", active.len())?;
+        self.check_count("out", out.len())?;
+        for i in (0..states.len()).filter(|&i| active[i]) {
+            self.check_state(&states[i])?;
+            self.check_begun(i)?;
+        }
+        let asset = &self.asset;
+        in_pool(|| {
+            let parts = (&mut self.instances[..], &mut *out);
+            par_split(states.len(), 1, parts, |i, (instance, out)| {
+                if active[i] {
+                    instance.evaluate(asset, &states[i], out);
+                }
+            });
+        });
+        for i in (0..states.len()).filter(|&i| active[i]) {
+            self.instances[i].check(asset, &out[i])?;
+        }
+        Ok(())
+    }
+
+    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+        if out.len() != trials.len() {
+            return Err(Error::invalid("out", "must be as long as trials"));
+        }
+        for trial in trials {
+            self.check_begun(trial.instance)?;
+            self.check_state(trial.base)?;
+            self.check_state(trial.state)?;
+        }
+        let (asset, instances) = (&self.asset, &mut self.instances);
+        in_pool(|| {
+            for (trial, out) in trials.iter().zip(&mut *out) {
+                let instance = &mut instances[trial.instance];
+                *out = instance.difference(asset, trial.base, trial.state).total();
+            }
+        });
+        if out.iter().any(|e| !e.is_finite()) {
+            return Err(Error::NotFinite {
+                quantity: "energy difference",
+            });
+        }
+        Ok(())
+    }
+
+    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+        self.check_count("states", states.len())?;
+        states.iter().try_for_each(|s| self.check_state(s))?;
+        let asset = &self.asset;
+        in_pool(|| {
+            let parts = (&mut self.drawn[..], &mut self.instances[..]);
+            par_split(states.len(), 1, parts, |i, (drawn, instance)| {
+                drawn.pose(asset, &states[i], &mut instance.feature);
+            });
+        });
+        Ok(())
+    }
+
+    async fn read_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        let Some(drawn) = self.drawn.get(instance) else {
+            let problem = format!("{instance} of {}", self.drawn.len());
+            return Err(Error::invalid("instance", problem));
+        };
+        positions.clone_from(&drawn.positions);
+        normals.clone_from(&drawn.normals);
+        Ok(())
+    }
+}

@@ -1,0 +1,52 @@
+//! What all instances share and no step changes.
+
+use super::normals::vertex_triangles;
+use super::{Basis, Incidence, points::Points};
+use crate::Result;
+use crate::math::Rows;
+use crate::model::{Avatar, Space};
+use crate::potential::BlockPattern;
+use std::sync::Arc;
+
+/// The avatar with the tables that gathers need.
+pub(super) struct Asset<B> {
+    pub avatar: Arc<Avatar>,
+    pub space: Space,
+    pub pattern: BlockPattern,
+    pub cubature: Points<B>,
+    pub cubature_incidence: Incidence,
+    pub skin: Points<B>,
+    pub skin_incidence: Incidence,
+    /// Blocks of a skin vertex at most.
+    pub lever_stride: usize,
+    pub vertex_triangles: Rows<[u32; 2]>,
+    pub contact_capacity: usize,
+}
+
+impl<B: Basis> Asset<B> {
+    pub fn new(
+        avatar: Arc<Avatar>,
+        cubature: &Rows<B>,
+        skin: &Rows<B>,
+        contact_capacity: usize,
+    ) -> Result<Self> {
+        avatar.validate()?;
+        let space = avatar.space();
+        let cubature = Points::new("cubature", space, &avatar.cubature.skinning, cubature)?;
+        let skin = Points::new("skin", space, &avatar.skin.skinning, skin)?;
+        let pattern =
+            BlockPattern::from_blocks(space, &[&cubature.blocks(space), &skin.blocks(space)]);
+        Ok(Self {
+            cubature_incidence: cubature.incidence(&pattern),
+            skin_incidence: skin.incidence(&pattern),
+            lever_stride: 2 * skin.skinning.longest() + skin.basis.longest(),
+            vertex_triangles: vertex_triangles(skin.len(), &avatar.triangles),
+            avatar,
+            space,
+            pattern,
+            cubature,
+            skin,
+            contact_capacity,
+        })
+    }
+}

@@ -1,0 +1,172 @@
+//! What a handle does at a point.
+
+use crate::math::Mat9;
+use crate::model::BasisEntry;
+use glam::{DMat3, DVec3};
+
+/// The share N of one handle in the unposed displacement of one point, T = x̄ + Σ N_h φ_h, and its gradient:
+/// F = I + Σ_h (∂N_h/∂X) φ_h. The biharmonic basis has N = U I; other bases (modes, elastic
+/// extensions) fill all of N.
+pub trait Basis: Copy + Send + Sync {
+    /// Handle index.
+    fn handle(&self) -> usize;
+
+    /// N, without unit.
+    fn value(&self) -> DMat3;
+
+    /// ∂N/∂X_l for l = x, y, z, 1/m: `gradient()[l] φ` is column l of the handle's part of F.
+    fn gradient(&self) -> [DMat3; 3];
+
+    /// N φ.
+    fn displacement(&self, phi: DVec3) -> DVec3 {
+        self.value() * phi
+    }
+
+    /// Nᵀ f.
+    fn pull_back(&self, force: DVec3) -> DVec3 {
+        self.value().transpose() * force
+    }
+
+    /// M N.
+    fn after(&self, m: DMat3) -> DMat3 {
+        m * self.value()
+    }
+
+    /// Nᵀ M N_other.
+    fn congruent(&self, m: DMat3, other: &Self) -> DMat3 {
+        self.value().transpose() * m * other.value()
+    }
+
+    /// (∂N/∂X) φ: the handle's part of F.
+    fn deformation(&self, phi: DVec3) -> DMat3 {
+        let [x, y, z] = self.gradient();
+        DMat3::from_cols(x * phi, y * phi, z * phi)
+    }
+
+    /// (∂N/∂X)ᵀ : P, the force of the stress P on the handle.
+    fn stress_force(&self, stress: DMat3) -> DVec3 {
+        let g = self.gradient();
+        (0..3).map(|l| g[l].transpose() * stress.col(l)).sum()
+    }
+
+    /// C : ∂N/∂X for a symmetric C: column l of the stress made by φ is `[l] φ`.
+    fn stiffness(&self, c: &Mat9) -> [DMat3; 3] {
+        let g = self.gradient();
+        std::array::from_fn(|l| (0..3).map(|m| block(c, l, m) * g[m]).sum())
+    }
+
+    /// (∂N/∂X)ᵀ : S with S a [`Basis::stiffness`].
+    fn contract(&self, stiffness: &[DMat3; 3]) -> DMat3 {
+        let g = self.gradient();
+        (0..3).map(|l| g[l].transpose() * stiffness[l]).sum()
+    }
+}
+
+/// Block (l, m) of C: how column l of the stress follows column m of F.
+fn block(c: &Mat9, l: usize, m: usize) -> DMat3 {
+    let column = |k| DVec3::from_array(std::array::from_fn(|i| c[3 * l + i][3 * m + k]));
+    DMat3::from_cols(column(0), column(1), column(2))
+}
+
+/// The plain scalar case: N = U I, ∂N/∂X = I ⊗ ∇U.
+impl Basis for BasisEntry {
+    fn handle(&self) -> usize {
+        self.handle as usize
+    }
+
+    fn value(&self) -> DMat3 {
+        DMat3::from_diagonal(DVec3::splat(self.value))
+    }
+
+    fn gradient(&self) -> [DMat3; 3] {
+        self.gradient
+            .to_array()
+            .map(|g| DMat3::from_diagonal(DVec3::splat(g)))
+    }
+
+    #[inline]
+    fn displacement(&self, phi: DVec3) -> DVec3 {
+        self.value * phi
+    }
+
+    #[inline]
+    fn pull_back(&self, force: DVec3) -> DVec3 {
+        self.value * force
+    }
+
+    #[inline]
+    fn after(&self, m: DMat3) -> DMat3 {
+        m * self.value
+    }
+
+    #[inline]
+    fn congruent(&self, m: DMat3, other: &Self) -> DMat3 {
+        m * (self.value * other.value)
+    }
+
+    #[inline]
+    fn deformation(&self, phi: DVec3) -> DMat3 {
+        let g = self.gradient;
+        DMat3::from_cols(phi * g.x, phi * g.y, phi * g.z)
+    }
+
+    #[inline]
+    fn stress_force(&self, stress: DMat3) -> DVec3 {
+        stress * self.gradient
+    }
+
+    #[inline]
+    fn stiffness(&self, c: &Mat9) -> [DMat3; 3] {
+        let g = self.gradient.to_array();
+        // C is symmetric: its rows are read as columns, which are contiguous.
+        std::array::from_fn(|l| {
+            let column = |k: usize| {
+                (0..3)
+                    .map(|m| g[m] * DVec3::from_slice(&c[3 * m + k][3 * l..3 * l + 3]))
+                    .sum()
+            };
+            DMat3::from_cols(column(0), column(1), column(2))
+        })
+    }
+
+    #[inline]
+    fn contract(&self, stiffness: &[DMat3; 3]) -> DMat3 {
+        let g = self.gradient;
+        stiffness[0] * g.x + stiffness[1] * g.y + stiffness[2] * g.z
+    }
+}
+
+/// A basis function with nothing special about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeneralBasis {
+    /// Handle index.
+    pub handle: u32,
+    /// N.
+    pub value: DMat3,
+    /// ∂N/∂X_l, 1/m.
+    pub gradient: [DMat3; 3],
+}
+
+impl Basis for GeneralBasis {
+    fn handle(&self) -> usize {
+        self.handle as usize
+    }
+
+    fn value(&self) -> DMat3 {
+        self.value
+    }
+
+    fn gradient(&self) -> [DMat3; 3] {
+        self.gradient
+    }
+}
+
+impl From<&BasisEntry> for GeneralBasis {
+    fn from(entry: &BasisEntry) -> Self {
+        Self {
+            handle: entry.handle,
+            value: entry.value(),
+            gradient: Basis::gradient(entry),
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Energy differences of one point, from base to state, each summed from increments:
+//!
+//! ```text
+//! inertia  m/(2h²) (|d + Δ − ŷ|² − |d − ŷ|²) = m/(2h²) Δ · (Δ + 2 (d − ŷ))
+//! gravity  −m g · Δ
+//! elastic  w (Ψ(F + ΔF) − Ψ(F))
+//! damping  w β/(2h) ΔF : Cⁿ : (ΔF + 2 (F − Fⁿ))
+//! contact  ½ k a (δ + δ_base)(δ − δ_base)
+//! ```
+
+use crate::material::Material;
+use crate::math::{Mat9, contract, double_dot};
+use crate::potential::Energies;
+use glam::{DMat3, DVec3};
+
+/// J; Δ = `change`, d − ŷ = `residual` at the base.
+pub fn inertia(mass: f64, time_step: f64, change: DVec3, residual: DVec3) -> f64 {
+    0.5 * mass / (time_step * time_step) * change.dot(change + 2.0 * residual)
+}
+
+/// J.
+pub fn gravity(mass: f64, tissue_gravity: DVec3, change: DVec3) -> f64 {
+    -mass * tissue_gravity.dot(change)
+}
+
+/// J; F = `base`, ΔF = `change`.
+pub fn elastic(material: &Material, weight: f64, base: DMat3, change: DMat3) -> f64 {
+    weight * material.energy_difference(base, change)
+}
+
+/// J; β/h = `rate`, F − Fⁿ = `since_start` at the base.
+pub fn damping(weight: f64, rate: f64, tangent: &Mat9, change: DMat3, since_start: DMat3) -> f64 {
+    let mean = change + since_start * 2.0;
+    0.5 * weight * rate * double_dot(change, contract(tangent, mean))
+}
+
+/// J; `stiffness` is k a.
+pub fn contact(stiffness: f64, base_depth: f64, depth: f64) -> f64 {
+    0.5 * stiffness * (depth + base_depth) * (depth - base_depth)
+}
+
+/// The sum, in order.
+pub fn sum(points: &[Energies]) -> Energies {
+    let mut total = Energies::default();
+    for point in points {
+        total.inertia += point.inertia;
+        total.gravity += point.gravity;
+        total.elastic += point.elastic;
+        total.damping += point.damping;
+        total.contact += point.contact;
+    }
+    total
+}

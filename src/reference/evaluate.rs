@@ -1,0 +1,245 @@
+//! One instance of a batch and its evaluation: the stages in order, each parallel over points, vertices
+//! or block rows.
+
+use super::asset::Asset;
+use super::contact::{Candidate, Contact, ContactSide, SideMotion};
+use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
+use super::gradient::point_force;
+use super::hessian::{ContactRows, gather_contacts, gather_points};
+use super::point_hessian::{PointTerms, PointView};
+use super::step::{POINT_GRAIN, Step};
+use super::{Basis, Motion, compact::compact, elasticity, energy};
+use crate::math::{RowsMut, Strided, par_split};
+use crate::model::State;
+use crate::potential::{Energies, Evaluation, StepStart};
+use crate::{Error, Result};
+use glam::{DMat3, DVec3};
+
+/// Block rows and contacts of one task.
+const ROW_GRAIN: usize = 2;
+const CONTACT_GRAIN: usize = 16;
+
+/// One avatar of the batch: its step, and the memory that its evaluations reuse.
+pub(super) struct Instance {
+    pub step: Step,
+    pub motion: Motion,
+    pub base_motion: Motion,
+    pub feature: Vec<f64>,
+    pub candidates: Vec<Candidate>,
+    pub base_candidates: Vec<Candidate>,
+    pub energies: Vec<Energies>,
+    terms: Vec<PointTerms>,
+    arms: Vec<DVec3>,
+    stiffness: Vec<[DMat3; 3]>,
+    contacts: Vec<Contact>,
+    levers: Vec<DVec3>,
+    contact_rows: ContactRows,
+    gradient: Vec<DVec3>,
+}
+
+impl Instance {
+    pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
+        let points = asset.cubature.len();
+        Self {
+            step: Step::new(asset),
+            motion: Motion::default(),
+            base_motion: Motion::default(),
+            feature: Vec::new(),
+            candidates: Vec::new(),
+            base_candidates: Vec::new(),
+            energies: vec![Energies::default(); points],
+            terms: vec![PointTerms::default(); points],
+            arms: vec![DVec3::ZERO; asset.cubature.skinning.entries().len()],
+            stiffness: vec![[DMat3::ZERO; 3]; asset.cubature.basis.entries().len()],
+            contacts: Vec::with_capacity(asset.contact_capacity),
+            levers: Vec::with_capacity(asset.contact_capacity * asset.lever_stride),
+            contact_rows: ContactRows::default(),
+            gradient: vec![DVec3::ZERO; asset.space.blocks()],
+        }
+    }
+
+    pub fn begin_step<B: Basis>(&mut self, asset: &Asset<B>, start: &StepStart<'_>) {
+        let (motion, feature) = (&mut self.motion, &mut self.feature);
+        self.step
+            .begin(asset, start, motion, feature, &mut self.candidates);
+    }
+
+    /// E(q) − E(qⁿ), its gradient and the solver's Hessian. [`Instance::check`] tells whether it is whole.
+    pub fn evaluate<B: Basis>(&mut self, asset: &Asset<B>, state: &State, out: &mut Evaluation) {
+        let step = &self.step;
+        self.motion.set(&step.current, state, step.origin);
+        step.contact(asset, &self.motion, &mut self.candidates);
+        let areas = &asset.avatar.skin.measure;
+        let (candidates, colliders) = (&self.candidates, &step.colliders);
+        let capacity = asset.contact_capacity;
+        out.contacts = compact(candidates, areas, colliders, capacity, &mut self.contacts);
+        self.evaluate_points(asset);
+        self.evaluate_levers(asset);
+        out.hessian.clear();
+        out.hessian.resize(asset.pattern.len(), [0.0; 9]);
+        self.gather(asset, &mut out.hessian);
+
+        out.energies = energy::sum(&self.energies);
+        out.energies.contact =
+            self.step.sum_contact_energy(asset, &self.candidates) - self.step.contact_energy;
+        out.gradient.clear();
+        out.gradient
+            .extend(self.gradient.iter().flat_map(|g| g.to_array()));
+        out.contact_force = self.contacts.iter().map(|c| c.force() * c.normal).sum();
+    }
+
+    /// Whether the last evaluation saw all contacts and is finite.
+    pub fn check<B: Basis>(&self, asset: &Asset<B>, evaluation: &Evaluation) -> Result<()> {
+        if evaluation.contacts > asset.contact_capacity {
+            return Err(Error::invalid(
+                "contact_capacity",
+                format!(
+                    "{} contacts are active, room is for {}",
+                    evaluation.contacts, asset.contact_capacity
+                ),
+            ));
+        }
+        if !evaluation.energies.total().is_finite() {
+            return Err(Error::NotFinite { quantity: "energy" });
+        }
+        if evaluation.gradient.iter().any(|g| !g.is_finite()) {
+            return Err(Error::NotFinite {
+                quantity: "gradient",
+            });
+        }
+        Ok(())
+    }
+
+    /// Displacement, elasticity and energies of every cubature point.
+    fn evaluate_points<B: Basis>(&mut self, asset: &Asset<B>) {
+        let (step, motion) = (&self.step, &self.motion);
+        let parts = (
+            &mut self.terms[..],
+            &mut self.energies[..],
+            RowsMut::new(asset.cubature.skinning.offsets(), &mut self.arms),
+            RowsMut::new(asset.cubature.basis.offsets(), &mut self.stiffness),
+        );
+        par_split(asset.cubature.len(), POINT_GRAIN, parts, |i, parts| {
+            let (terms, energies, arms, stiffness) = parts;
+            (*terms, *energies) = evaluate_point(asset, step, motion, i, arms, stiffness);
+        });
+    }
+
+    fn evaluate_levers<B: Basis>(&mut self, asset: &Asset<B>) {
+        let (step, motion, contacts) = (&self.step, &self.motion, &self.contacts);
+        let stride = asset.lever_stride;
+        self.levers.resize(contacts.len() * stride, DVec3::ZERO);
+        let parts = Strided::new(stride, &mut self.levers);
+        par_split(contacts.len(), CONTACT_GRAIN, parts, |k, out| {
+            for side in contacts[k].sides {
+                // A collider's frame is kinematic: no block moves it.
+                if let ContactSide::Skin { vertex } = side {
+                    let v = vertex as usize;
+                    let side = SideMotion {
+                        frames: asset.skin.skinning.row(v),
+                        handles: asset.skin.basis.row(v),
+                    };
+                    side.levers(
+                        asset.space.frames,
+                        &asset.avatar.skeleton.joints,
+                        &motion.frames,
+                        step.skin_unposed(asset, v, &motion.handles),
+                        contacts[k].normal,
+                        out,
+                    );
+                }
+            }
+        });
+        self.contact_rows
+            .fill(contacts, &asset.skin_incidence, asset.space.blocks());
+    }
+
+    /// Gradient and packed Hessian, block row by block row.
+    fn gather<B: Basis>(&mut self, asset: &Asset<B>, hessian: &mut [[f64; 9]]) {
+        let points = &asset.cubature;
+        let point = |i: usize| PointView {
+            terms: &self.terms[i],
+            skinning: points.skinning.row(i),
+            arms: &self.arms[points.skinning.range(i)],
+            basis: points.basis.row(i),
+            stiffness: &self.stiffness[points.basis.range(i)],
+        };
+        let parts = (
+            &mut self.gradient[..],
+            RowsMut::new(asset.pattern.columns().offsets(), hessian),
+        );
+        let levers = (asset.lever_stride, &self.levers[..]);
+        par_split(asset.space.blocks(), ROW_GRAIN, parts, |row, parts| {
+            let (force, out) = parts;
+            *force = DVec3::ZERO;
+            gather_points(&asset.cubature_incidence, row, point, force, out);
+            gather_contacts(
+                &self.contact_rows,
+                row,
+                &self.contacts,
+                &asset.skin_incidence,
+                levers,
+                force,
+                out,
+            );
+        });
+    }
+}
+
+/// Stages displacement, elasticity and energy at cubature point `i`, with qⁿ as the base.
+fn evaluate_point<B: Basis>(
+    asset: &Asset<B>,
+    step: &Step,
+    motion: &Motion,
+    i: usize,
+    point_arms: &mut [DVec3],
+    stiffness: &mut [[DMat3; 3]],
+) -> (PointTerms, Energies) {
+    let avatar = &*asset.avatar;
+    let (material, joints) = (&avatar.material, &avatar.skeleton.joints);
+    let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
+    let (start, weight) = (&step.points[i], avatar.cubature.measure[i]);
+    let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
+    let changes = &motion.handle_changes;
+
+    let change = unposed_displacement(basis, changes);
+    let d = displacement(skinning, joints, &motion.motions, start.unposed, change);
+    arms(
+        skinning,
+        joints,
+        &motion.frames,
+        start.unposed + change,
+        point_arms,
+    );
+    let blended = blended_rotation(skinning, &motion.frames);
+    let force = point_force(mass, h, d, start.predicted, gravity);
+
+    let f_start = start.deformation_gradient;
+    let f_change = elasticity::displacement_gradient(basis, changes);
+    let damping = step.damping(i, f_change);
+    let stress = elasticity::stress(material, f_start + f_change, damping);
+    let tangent = elasticity::tangent(material, f_start + f_change, damping, weight);
+    for (out, n) in stiffness.iter_mut().zip(basis) {
+        *out = n.stiffness(&tangent);
+    }
+
+    let inertia = mass / (h * h);
+    let terms = PointTerms {
+        inertia,
+        force,
+        pulled_force: blended.transpose() * force,
+        stress: stress * weight,
+        blended: blended * inertia,
+        metric: blended.transpose() * blended * inertia,
+    };
+    let energies = Energies {
+        inertia: energy::inertia(mass, h, d, -start.predicted),
+        gravity: energy::gravity(mass, gravity, d),
+        elastic: energy::elastic(material, weight, f_start, f_change),
+        damping: damping.map_or(0.0, |d| {
+            energy::damping(weight, d.rate, d.tangent, f_change, DMat3::ZERO)
+        }),
+        contact: 0.0,
+    };
+    (terms, energies)
+}

@@ -1,0 +1,123 @@
+//! The packed Hessian: every block row gathers from its points and its active contacts, in fixed order.
+//!
+//! Blocks of points are made where they are needed ([`hessian_row`]) and not stored: a hand's would
+//! be 12 kB a point.
+
+use super::contact::{Contact, ContactSide};
+use super::gradient::gradient;
+use super::point_hessian::{PointView, hessian_row};
+use super::{Basis, Incidence};
+use glam::{DMat3, DVec3};
+
+/// Adds the points' parts of block row `row` to its gradient and its packed blocks.
+pub fn gather_points<'a, B: Basis + 'a>(
+    incidence: &Incidence,
+    row: usize,
+    point: impl Fn(usize) -> PointView<'a, B>,
+    force: &mut DVec3,
+    out: &mut [[f64; 9]],
+) {
+    for &(i, local) in incidence.row(row) {
+        let (i, local) = (i as usize, local as usize);
+        let view = point(i);
+        *force += gradient(&view, local);
+        let targets = incidence.targets(i, local);
+        hessian_row(&view, local, |b, block| {
+            add(&mut out[targets[b] as usize], block)
+        });
+    }
+}
+
+/// The same sum over blocks that were stored: `blocks(i)` is [`super::point_hessian::point_hessian`] of point `i`.
+pub fn gather_blocks<'a>(
+    incidence: &Incidence,
+    row: usize,
+    blocks: impl Fn(usize) -> &'a [DMat3],
+    out: &mut [[f64; 9]],
+) {
+    for &(i, local) in incidence.row(row) {
+        let (i, local) = (i as usize, local as usize);
+        let stored = &blocks(i)[local * (local + 1) / 2..];
+        for (&target, &block) in incidence.targets(i, local).iter().zip(stored) {
+            add(&mut out[target as usize], block);
+        }
+    }
+}
+
+#[inline]
+fn add(sum: &mut [f64; 9], block: DMat3) {
+    let block = block.to_cols_array();
+    for k in 0..9 {
+        sum[k] += block[k];
+    }
+}
+
+/// The active contacts by block row, refilled at every evaluation without allocating.
+#[derive(Clone, Debug, Default)]
+pub struct ContactRows {
+    starts: Vec<u32>,
+    entries: Vec<(u32, u32)>,
+}
+
+impl ContactRows {
+    /// Sorts (contact, local block) by block row, contacts rising within a row.
+    pub fn fill(&mut self, contacts: &[Contact], skin: &Incidence, rows: usize) {
+        self.starts.clear();
+        self.starts.resize(rows + 2, 0);
+        for_each_block(contacts, skin, |_, _, block| self.starts[block + 2] += 1);
+        for row in 2..rows + 2 {
+            self.starts[row] += self.starts[row - 1];
+        }
+        self.entries.clear();
+        self.entries.resize(self.starts[rows + 1] as usize, (0, 0));
+        // starts[row + 1] runs from the start of its row to the end of it.
+        for_each_block(contacts, skin, |contact, local, block| {
+            let next = &mut self.starts[block + 1];
+            self.entries[*next as usize] = (contact, local);
+            *next += 1;
+        });
+    }
+
+    fn row(&self, row: usize) -> &[(u32, u32)] {
+        &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize]
+    }
+}
+
+fn for_each_block(contacts: &[Contact], skin: &Incidence, mut f: impl FnMut(u32, u32, usize)) {
+    for (k, contact) in contacts.iter().enumerate() {
+        // A collider's frame is no DoF yet: only the skin's side has blocks.
+        if let ContactSide::Skin { vertex } = contact.sides[0] {
+            for (local, &block) in skin.blocks(vertex as usize).iter().enumerate() {
+                f(k as u32, local as u32, block as usize);
+            }
+        }
+    }
+}
+
+/// Adds the contacts' parts, −k a δ ℓ and k a ℓ_a ℓ_bᵀ, of block row `row`; `levers` holds `stride`
+/// for each contact: [`super::contact::SideMotion::levers`].
+pub fn gather_contacts(
+    rows: &ContactRows,
+    row: usize,
+    contacts: &[Contact],
+    skin: &Incidence,
+    (stride, levers): (usize, &[DVec3]),
+    force: &mut DVec3,
+    out: &mut [[f64; 9]],
+) {
+    for &(k, local) in rows.row(row) {
+        let (contact, local) = (&contacts[k as usize], local as usize);
+        let ContactSide::Skin { vertex } = contact.sides[0] else {
+            continue;
+        };
+        let levers = &levers[k as usize * stride..][..stride];
+        let own = levers[local];
+        *force -= contact.force() * own;
+        let scaled = own * contact.stiffness;
+        let targets = skin.targets(vertex as usize, local);
+        for (&target, other) in targets.iter().zip(levers) {
+            let block = DMat3::from_cols(scaled * other.x, scaled * other.y, scaled * other.z);
+            add(&mut out[target as usize], block);
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! A cubature point's part of the Hessian: for blocks a ≥ b of its local order (c and ω of each bone,
+//! then the handles)
+//!
+//! ```text
+//! H_ab = J_aᵀ (m/h²) J_b + w (∇U_aᵀ ⊗ I) C (∇U_b ⊗ I)
+//! J_c = w_j I      J_ω = −[a_j]×      J_φ = B N_h
+//! ```
+
+use super::Basis;
+use crate::math::skew;
+use crate::model::SkinWeight;
+use glam::{DMat3, DVec3};
+
+/// What an evaluation knows of a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointTerms {
+    /// m/h², N/m.
+    pub inertia: f64,
+    /// f, N: see [`super::gradient`](mod@super::gradient).
+    pub force: DVec3,
+    /// Bᵀ f, N.
+    pub pulled_force: DVec3,
+    /// w P, J.
+    pub stress: DMat3,
+    /// (m/h²) B, N/m.
+    pub blended: DMat3,
+    /// (m/h²) Bᵀ B, N/m.
+    pub metric: DMat3,
+}
+
+/// A point with everything its blocks are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct PointView<'a, B> {
+    /// Its numbers.
+    pub terms: &'a PointTerms,
+    /// Its bones.
+    pub skinning: &'a [SkinWeight],
+    /// a_j = w_j R_j (T − J_j), m, of each bone.
+    pub arms: &'a [DVec3],
+    /// Its handles.
+    pub basis: &'a [B],
+    /// w C ∇U of each handle: [`Basis::stiffness`].
+    pub stiffness: &'a [[DMat3; 3]],
+}
+
+/// Hands the blocks (`local`, b) for b = 0..=`local` to `each`, in order.
+#[inline]
+pub fn hessian_row<B: Basis>(
+    point: &PointView<'_, B>,
+    local: usize,
+    mut each: impl FnMut(usize, DMat3),
+) {
+    let frames = 2 * point.skinning.len();
+    if local >= frames {
+        handle_row(point, local - frames, each);
+        return;
+    }
+    let inertia = point.terms.inertia;
+    let (weight, arm) = (point.skinning[local / 2].weight, point.arms[local / 2]);
+    let is_rotation = local % 2 == 1;
+    for (k, (w, &other)) in point.skinning.iter().zip(point.arms).enumerate() {
+        if 2 * k > local {
+            break;
+        }
+        let translation = if is_rotation {
+            skew(arm * (inertia * w.weight))
+        } else {
+            DMat3::from_diagonal(DVec3::splat(inertia * weight * w.weight))
+        };
+        each(2 * k, translation);
+        if 2 * k + 1 > local {
+            break;
+        }
+        let rotation = if is_rotation {
+            // [a]×ᵀ[b]× = (a·b) I − b aᵀ
+            let b = other * inertia;
+            DMat3::from_diagonal(DVec3::splat(arm.dot(b)))
+                - DMat3::from_cols(b * arm.x, b * arm.y, b * arm.z)
+        } else {
+            skew(other * (-inertia * weight))
+        };
+        each(2 * k + 1, rotation);
+    }
+}
+
+#[inline]
+fn handle_row<B: Basis>(point: &PointView<'_, B>, h: usize, mut each: impl FnMut(usize, DMat3)) {
+    let own = &point.basis[h];
+    let x = own.after(point.terms.blended).transpose();
+    for (k, (w, a)) in point.skinning.iter().zip(point.arms).enumerate() {
+        each(2 * k, x * w.weight);
+        // −X [a]×
+        each(
+            2 * k + 1,
+            DMat3::from_cols(
+                x.z_axis * a.y - x.y_axis * a.z,
+                x.x_axis * a.z - x.z_axis * a.x,
+                x.y_axis * a.x - x.x_axis * a.y,
+            ),
+        );
+    }
+    let first = 2 * point.skinning.len();
+    let others = point.basis[..=h].iter().zip(point.stiffness);
+    for (k, (other, stiffness)) in others.enumerate() {
+        let elastic = own.contract(stiffness);
+        each(
+            first + k,
+            own.congruent(point.terms.metric, other) + elastic,
+        );
+    }
+}
+
+/// All blocks of the point, (a, b ≤ a) at a(a + 1)/2 + b.
+pub fn point_hessian<B: Basis>(point: &PointView<'_, B>, out: &mut [DMat3]) {
+    let count = 2 * point.skinning.len() + point.basis.len();
+    for a in 0..count {
+        hessian_row(point, a, |b, block| out[a * (a + 1) / 2 + b] = block);
+    }
+}

@@ -1,0 +1,191 @@
+//! What an instance's step starts from: constant through its Newton iterations.
+
+use super::asset::Asset;
+use super::contact::{Candidate, contact, contact_point};
+use super::displacement::{displacement, unposed_displacement};
+use super::elasticity::{Damping, displacement_gradient};
+use super::pose_blend::pose_blend;
+use super::{Basis, Motion, energy};
+use crate::collider::Collider;
+use crate::math::{Mat9, Strided, par_each, par_join, par_split};
+use crate::model::{PointSet, State, pose_feature_into};
+use crate::potential::StepStart;
+use glam::{DMat3, DVec3};
+
+/// Points and vertices of one task: some ten microseconds of work.
+pub(super) const POINT_GRAIN: usize = 16;
+pub(super) const VERTEX_GRAIN: usize = 128;
+
+/// What stays constant at a cubature point through a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PointStart {
+    /// T at qⁿ, m.
+    pub unposed: DVec3,
+    /// ŷ = h vⁿ, m: the displacement over the previous step, with this step's x̄.
+    pub predicted: DVec3,
+    /// Fⁿ.
+    pub deformation_gradient: DMat3,
+}
+
+/// The start of one instance's step.
+pub(super) struct Step {
+    /// h, s; 0 before the first step.
+    pub time_step: f64,
+    /// The root's joint at tⁿ: frames and colliders are relative to it.
+    pub origin: DVec3,
+    pub tissue_gravity: DVec3,
+    /// β/h.
+    pub damping_rate: f64,
+    pub colliders: Vec<Collider>,
+    /// qⁿ.
+    pub current: State,
+    pub points: Vec<PointStart>,
+    /// Cⁿ of each point, Pa; empty without damping.
+    pub damping_tangents: Vec<Mat9>,
+    /// x̄ of cubature points and skin vertices.
+    pub rest: Vec<DVec3>,
+    pub skin_rest: Vec<DVec3>,
+    /// Σ ½ k a δ² at qⁿ, J.
+    pub contact_energy: f64,
+}
+
+impl Step {
+    /// Memory for steps of `asset`.
+    pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
+        let points = asset.cubature.len();
+        let damped = asset.avatar.damping_time > 0.0;
+        Self {
+            time_step: 0.0,
+            origin: DVec3::ZERO,
+            tissue_gravity: DVec3::ZERO,
+            damping_rate: 0.0,
+            colliders: Vec::new(),
+            current: asset.avatar.rest_state(),
+            points: vec![PointStart::default(); points],
+            damping_tangents: vec![[[0.0; 9]; 9]; if damped { points } else { 0 }],
+            rest: vec![DVec3::ZERO; points],
+            skin_rest: vec![DVec3::ZERO; asset.skin.len()],
+            contact_energy: 0.0,
+        }
+    }
+
+    /// x̄ from θⁿ, ŷ from qⁿ⁻¹ → qⁿ, the lagged tangent, and the contact energy at qⁿ. The rest are
+    /// buffers of the evaluation.
+    pub fn begin<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        start: &StepStart<'_>,
+        motion: &mut Motion,
+        feature: &mut Vec<f64>,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        let avatar = &*asset.avatar;
+        self.time_step = start.time_step;
+        self.origin = start.current.frames[0].position;
+        self.tissue_gravity = start.tissue_gravity;
+        self.damping_rate = avatar.damping_time / start.time_step;
+        self.colliders.clear();
+        let relative = start.colliders.iter().map(|c| c.relative_to(self.origin));
+        self.colliders.extend(relative);
+        self.current.clone_from(start.current);
+
+        pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);
+        let feature = &*feature;
+        par_join(
+            || blend(&avatar.cubature, feature, &mut self.rest),
+            || blend(&avatar.skin, feature, &mut self.skin_rest),
+        );
+        motion.set(start.previous, start.current, self.origin);
+        self.start_points(asset, &start.previous.handles, motion);
+        self.contact(asset, motion, candidates);
+        self.contact_energy = self.sum_contact_energy(asset, candidates);
+    }
+
+    fn start_points<B: Basis>(&mut self, asset: &Asset<B>, previous: &[DVec3], motion: &Motion) {
+        let rest = &self.rest;
+        par_each(&mut self.points, 4 * POINT_GRAIN, |i, point| {
+            let basis = asset.cubature.basis.row(i);
+            let base = rest[i] + unposed_displacement(basis, previous);
+            let change = unposed_displacement(basis, &motion.handle_changes);
+            *point = PointStart {
+                unposed: base + change,
+                predicted: displacement(
+                    asset.cubature.skinning.row(i),
+                    &asset.avatar.skeleton.joints,
+                    &motion.motions,
+                    base,
+                    change,
+                ),
+                deformation_gradient: DMat3::IDENTITY
+                    + displacement_gradient(basis, &motion.handles),
+            };
+        });
+        let points = &self.points;
+        par_each(&mut self.damping_tangents, POINT_GRAIN, |i, tangent| {
+            let f = points[i].deformation_gradient;
+            *tangent = asset.avatar.material.projected_tangent(f);
+        });
+    }
+
+    /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
+    pub fn damping(&self, i: usize, change: DMat3) -> Option<Damping<'_>> {
+        let tangent = self.damping_tangents.get(i)?;
+        Some(Damping {
+            rate: self.damping_rate,
+            tangent,
+            change,
+        })
+    }
+
+    /// Every skin vertex of the state in `motion` against every collider, vertex-major.
+    pub fn contact<B: Basis>(
+        &self,
+        asset: &Asset<B>,
+        motion: &Motion,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        let stride = self.colliders.len();
+        candidates.resize(stride * asset.skin.len(), Candidate::default());
+        if stride == 0 {
+            return;
+        }
+        let joints = &asset.avatar.skeleton.joints;
+        let parts = Strided::new(stride, candidates);
+        par_split(asset.skin.len(), VERTEX_GRAIN, parts, |v, out| {
+            let unposed = self.skin_unposed(asset, v, &motion.handles);
+            let point = contact_point(asset.skin.skinning.row(v), joints, &motion.frames, unposed);
+            for (out, collider) in out.iter_mut().zip(&self.colliders) {
+                *out = contact(point, collider);
+            }
+        });
+    }
+
+    /// T of skin vertex `v`, m.
+    pub fn skin_unposed<B: Basis>(&self, asset: &Asset<B>, v: usize, handles: &[DVec3]) -> DVec3 {
+        self.skin_rest[v] + unposed_displacement(asset.skin.basis.row(v), handles)
+    }
+
+    /// Σ ½ k a δ² of the candidates, J.
+    pub fn sum_contact_energy<B: Basis>(&self, asset: &Asset<B>, candidates: &[Candidate]) -> f64 {
+        let rows = candidates.chunks_exact(self.colliders.len().max(1));
+        let mut sum = 0.0;
+        for (row, area) in rows.zip(&asset.avatar.skin.measure) {
+            for (candidate, collider) in row.iter().zip(&self.colliders) {
+                if candidate.depth > 0.0 {
+                    sum += energy::contact(collider.stiffness * area, 0.0, candidate.depth);
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// x̄ of a set of points.
+fn blend(points: &PointSet, feature: &[f64], out: &mut [DVec3]) {
+    let chunks = out.len().div_ceil(VERTEX_GRAIN);
+    let parts = Strided::new(VERTEX_GRAIN, out);
+    par_split(chunks, 1, parts, |k, out| {
+        let first = k * VERTEX_GRAIN;
+        pose_blend(&points.position, &points.pose_blend, feature, first, out);
+    });
+}
