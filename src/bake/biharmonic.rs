@@ -293,23 +293,24 @@ pub(super) fn gather(constraints: &Constraints, x: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::test_mesh::{Random, jittered_box};
+    use crate::bake::test_mesh::jittered_box;
+    use crate::math::Random;
 
     /// A box whose lowest layer of nodes is bone, with handles at nodes and inside tets.
     fn sample(seed: u64) -> (TetMesh, Vec<bool>, Constraints) {
         let mesh = jittered_box([5, 4, 3], 0.01, 0.15, seed);
         let fixed: Vec<bool> = (0..mesh.nodes.len()).map(|n| n < 6 * 5).collect();
-        let mut random = Random(seed + 1);
+        let mut random = Random::new(seed + 1);
         let mut constraints = Constraints::default();
         let nodes = mesh.nodes.len();
         for third in 0..4 {
             // Spread over the upper layers, so that no node is drawn twice.
-            let node = 30 + third * 22 + (random.unit() * 22.0) as usize;
+            let node = 30 + third * 22 + (random.uniform(0.0, 1.0) * 22.0) as usize;
             constraints.push([(node.min(nodes - 1) as u32, 1.0)]);
         }
         for part in 0..4 {
-            let tet = (part as f64 + random.unit()) / 4.0 * mesh.tets.len() as f64;
-            let mut shares = [0; 4].map(|_| 0.1 + random.unit());
+            let tet = (part as f64 + random.uniform(0.0, 1.0)) / 4.0 * mesh.tets.len() as f64;
+            let mut shares = [0; 4].map(|_| 0.1 + random.uniform(0.0, 1.0));
             let sum: f64 = shares.iter().sum();
             shares.iter_mut().for_each(|s| *s /= sum);
             constraints.push(mesh.tets[tet as usize].into_iter().zip(shares));

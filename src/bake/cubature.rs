@@ -228,16 +228,17 @@ fn restore_moments(tissue: Tissue<'_>, tets: &[u32], weights: &mut [f64]) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::test_mesh::{Random, jittered_box};
+    use crate::bake::test_mesh::jittered_box;
+    use crate::math::Random;
 
     /// A box in which some tets are partly tissue.
     fn sample() -> (TetMesh, Vec<f64>) {
         let mesh = jittered_box([8, 7, 6], 0.01, 0.15, 21);
-        let mut random = Random(22);
+        let mut random = Random::new(22);
         let fraction = (mesh.tets.iter())
             .map(|_| {
-                if random.unit() < 0.3 {
-                    0.2 + 0.8 * random.unit()
+                if random.uniform(0.0, 1.0) < 0.3 {
+                    0.2 + 0.8 * random.uniform(0.0, 1.0)
                 } else {
                     1.0
                 }

@@ -64,12 +64,12 @@ fn farthest(values: impl Iterator<Item = f64>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::test_mesh::Random;
+    use crate::math::Random;
 
     #[test]
     fn samples_are_spread_and_cover() {
-        let mut random = Random(1);
-        let candidates: Vec<DVec3> = (0..2000).map(|_| random.vector()).collect();
+        let mut random = Random::new(1);
+        let candidates: Vec<DVec3> = (0..2000).map(|_| random.vector(1.0)).collect();
         let chosen = farthest_points(&candidates, &[], Density::Count(50));
         let chosen: Vec<DVec3> = chosen.iter().map(|&i| candidates[i as usize]).collect();
         let gap = |p: DVec3, least: f64| {

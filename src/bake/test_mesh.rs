@@ -1,30 +1,12 @@
 //! Meshes for the tests of this room.
 
+use crate::math::Random;
 use crate::model::TetMesh;
 use glam::DVec3;
 
-/// A seeded stream of numbers in 0..1 (splitmix64).
-pub struct Random(pub u64);
-
-impl Random {
-    /// The next one.
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// A vector with coordinates in −1..1.
-    pub fn vector(&mut self) -> DVec3 {
-        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-}
-
 /// A box of `cells` cubes of edge `cell`, six tets each, every node moved by up to `jitter` edges.
 pub fn jittered_box(cells: [usize; 3], cell: f64, jitter: f64, seed: u64) -> TetMesh {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let [nx, ny, nz] = cells.map(|c| c + 1);
     let node = |i: usize, j: usize, k: usize| (i + nx * (j + ny * k)) as u32;
     let mut mesh = TetMesh::default();
@@ -32,7 +14,8 @@ pub fn jittered_box(cells: [usize; 3], cell: f64, jitter: f64, seed: u64) -> Tet
         for j in 0..ny {
             for i in 0..nx {
                 let corner = DVec3::new(i as f64, j as f64, k as f64);
-                mesh.nodes.push(cell * (corner + jitter * random.vector()));
+                mesh.nodes
+                    .push(cell * (corner + jitter * random.vector(1.0)));
             }
         }
     }

@@ -1,0 +1,393 @@
+//! Baking: a limb and a finger from mesh to file.
+
+use glam::DVec3;
+use std::path::Path;
+use supple::bake::{
+    HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake, from_bytes, full_space,
+    read_avatar, to_bytes, write_avatar,
+};
+use supple::math::Random;
+use supple::model::{Avatar, Body, PointSet};
+use supple::sample::Limb;
+use supple::{Error, glam};
+
+/// A limb small enough for a file of a few kilobytes.
+const TINY: Limb = Limb {
+    length: 0.06,
+    inner_radius: 0.015,
+    outer_radius: 0.04,
+    stations: 3,
+    layers: 2,
+    sectors: 6,
+};
+
+fn recipe(place: HandlePlace, count: usize) -> Recipe {
+    Recipe {
+        handles: vec![HandleRegion {
+            place,
+            count: Some(count),
+            ..Default::default()
+        }],
+        ..Default::default()
+    }
+}
+
+fn untruncated(recipe: Recipe) -> Recipe {
+    Recipe {
+        truncation: Truncation::OFF,
+        ..recipe
+    }
+}
+
+fn baked(body: &Body, recipe: &Recipe) -> Avatar {
+    bake(body, recipe, &mut |_| {}).unwrap().0
+}
+
+/// ∇(Σ_h U_h f(X_h)) and Σ_h U_h f(X_h) at a point, for the linear f with gradient `direction`.
+fn interpolated(avatar: &Avatar, points: &PointSet, i: usize, direction: DVec3) -> (f64, DVec3) {
+    let row = points.basis.row(i).iter();
+    row.map(|u| (u, direction.dot(avatar.handles[u.handle as usize])))
+        .fold((0.0, DVec3::ZERO), |(value, gradient), (u, f)| {
+            (value + u.value * f, gradient + u.gradient * f)
+        })
+}
+
+#[test]
+fn a_limb_bakes_with_handles_on_its_skin_and_in_its_volume() {
+    let body = Limb::S.body().unwrap();
+    for (place, count) in [(HandlePlace::Skin, 82), (HandlePlace::Volume, 160)] {
+        let mut phases = Vec::new();
+        let (avatar, report) = bake(&body, &recipe(place, count), &mut |p| phases.push(p)).unwrap();
+        println!("{}", serde_json::to_string_pretty(&report).unwrap());
+        assert_eq!(phases, [0, 1, 2, 3, 4, 5]);
+        assert_eq!(
+            (report.nodes, report.tets, report.handles),
+            (2080, 7500, count)
+        );
+        let volume = body.layer.tissue_volume();
+        let sum: f64 = avatar.cubature.measure.iter().sum();
+        assert!((sum / volume - 1.0).abs() < 1e-12, "{sum} of {volume}");
+        assert!(
+            report.linear_precision < 1e-9,
+            "{:e}",
+            report.linear_precision
+        );
+        assert!(
+            report.cubature.points * 10 > count * 5,
+            "{:?}",
+            report.cubature
+        );
+        assert!(
+            (0.01..0.4).contains(&report.truncation_cost),
+            "{}",
+            report.truncation_cost
+        );
+        // The rigid core: a prism over a regular polygon.
+        let core = 0.5 * 20.0 * (std::f64::consts::TAU / 20.0).sin() * 0.015f64.powi(2) * 0.25;
+        assert!(
+            (report.bones.total / (1000.0 * core) - 1.0).abs() < 0.02,
+            "{:?}",
+            report.bones
+        );
+    }
+}
+
+#[test]
+fn handles_move_what_they_stand_on_and_bones_hold_what_is_theirs() {
+    let body = Limb::S.body().unwrap();
+    let avatar = baked(&body, &untruncated(recipe(HandlePlace::Skin, 40)));
+    for (h, &place) in avatar.handles.iter().enumerate() {
+        let vertex = avatar
+            .skin
+            .position
+            .iter()
+            .position(|&x| x == place)
+            .unwrap();
+        for u in avatar.skin.basis.row(vertex) {
+            let expected = f64::from(u8::from(u.handle as usize == h));
+            assert!(
+                (u.value - expected).abs() < 1e-9,
+                "U_{} at handle {h}: {}",
+                u.handle,
+                u.value
+            );
+        }
+    }
+    for (node, bone) in avatar.layer.bone_of_node.iter().enumerate() {
+        assert!(bone.is_none() || avatar.layer.basis.row(node).is_empty());
+    }
+}
+
+#[test]
+fn the_gradient_is_that_of_the_value() {
+    // U is linear in a tet: from one corner to the centroid it grows by ∇U · (step).
+    let body = TINY.body().unwrap();
+    let avatar = all_tets(&baked(&body, &recipe(HandlePlace::Skin, 8))).unwrap();
+    let layer = &avatar.layer;
+    let mut seen = 0;
+    for (t, tet) in layer.mesh.tets.iter().enumerate() {
+        for u in avatar.cubature.basis.row(t) {
+            for &node in tet {
+                let row = layer.basis.row(node as usize).iter();
+                let at_node: f64 = row.filter(|e| e.0 == u.handle).map(|e| e.1).sum();
+                let step = layer.mesh.nodes[node as usize] - avatar.cubature.position[t];
+                assert!((u.value + u.gradient.dot(step) - at_node).abs() < 1e-12);
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 1000);
+}
+
+#[test]
+fn the_full_space_has_every_free_node_as_a_handle() {
+    let body = Limb::S.body().unwrap();
+    let avatar = baked(&body, &recipe(HandlePlace::Skin, 20));
+    let full = full_space(&avatar).unwrap();
+    full.validate().unwrap();
+    let free = body
+        .layer
+        .bone_of_node
+        .iter()
+        .filter(|b| b.is_none())
+        .count();
+    assert_eq!((full.handles.len(), full.cubature.len()), (free, 7500));
+    let volume = body.layer.tissue_volume();
+    assert!((full.cubature.measure.iter().sum::<f64>() / volume - 1.0).abs() < 1e-12);
+    // Hat functions reproduce linear fields wherever no bone node takes part.
+    let direction = DVec3::new(3.0, -2.0, 5.0);
+    let mut free_tets = 0;
+    for (t, tet) in full.layer.mesh.tets.iter().enumerate() {
+        if tet
+            .iter()
+            .all(|&n| full.layer.bone_of_node[n as usize].is_none())
+        {
+            let (value, gradient) = interpolated(&full, &full.cubature, t, direction);
+            assert!((value - direction.dot(full.cubature.position[t])).abs() < 1e-12);
+            assert!((gradient - direction).length() < 1e-9);
+            free_tets += 1;
+        }
+    }
+    assert!(free_tets > 4000);
+    for v in 0..full.skin.len() {
+        let (value, _) = interpolated(&full, &full.skin, v, direction);
+        assert!((value - direction.dot(full.skin.position[v])).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn same_input_same_bytes_whatever_the_threads() {
+    let body = Limb::S.body().unwrap();
+    let recipe = recipe(HandlePlace::Skin, 30);
+    let once = to_bytes(&baked(&body, &recipe)).unwrap();
+    assert!(once == to_bytes(&baked(&body, &recipe)).unwrap());
+    #[cfg(feature = "threads")]
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        assert!(once == pool.install(|| to_bytes(&baked(&body, &recipe)).unwrap()));
+    }
+}
+
+#[test]
+fn a_file_comes_back_as_it_was_written() {
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("limb.supple");
+    write_avatar(&avatar, &path).unwrap();
+    write_avatar(&avatar, &path).unwrap();
+    assert_eq!(read_avatar(&path).unwrap(), avatar);
+    // Nothing else is left beside it.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let nowhere = folder.path().join("missing").join("limb.supple");
+    assert!(matches!(
+        write_avatar(&avatar, &nowhere),
+        Err(Error::Io { .. })
+    ));
+    assert!(matches!(read_avatar(&nowhere), Err(Error::Io { .. })));
+}
+
+fn problem(bytes: &[u8]) -> String {
+    let error = from_bytes(bytes, Path::new("limb.supple")).unwrap_err();
+    assert!(matches!(error, Error::Format { .. }), "{error:?}");
+    error.to_string()
+}
+
+#[test]
+fn a_file_cut_anywhere_is_an_error() {
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let bytes = to_bytes(&avatar).unwrap();
+    for length in 0..bytes.len() {
+        problem(&bytes[..length]);
+    }
+    let longer = [bytes.as_slice(), &[0]].concat();
+    assert!(problem(&longer).contains("payload"));
+    assert_eq!(
+        from_bytes(&bytes, Path::new("limb.supple")).unwrap(),
+        avatar
+    );
+}
+
+#[test]
+fn every_flipped_bit_is_an_error() {
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let bytes = to_bytes(&avatar).unwrap();
+    let mut random = Random::new(5);
+    // All of the header, and some of the rest.
+    let header = 0..24 * 8;
+    let rest = (0..300).map(|_| random.index(bytes.len() * 8));
+    for bit in header.chain(rest) {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        problem(&flipped);
+    }
+}
+
+#[test]
+fn a_forged_checksum_does_not_get_nonsense_in() {
+    // Whoever recomputes the checksum of a changed payload gets a typed error or a valid avatar.
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let bytes = to_bytes(&avatar).unwrap();
+    let mut random = Random::new(6);
+    let mut refused = 0;
+    for _ in 0..2000 {
+        let mut forged = bytes.clone();
+        for _ in 0..1 + random.index(4) {
+            let at = 24 + random.index(forged.len() - 24);
+            forged[at] = random.index(256) as u8;
+        }
+        let mut hasher = crc32fast::Hasher::new();
+        hasher.update(&forged[8..12]);
+        hasher.update(&forged[16..]);
+        forged[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
+        match from_bytes(&forged, Path::new("limb.supple")) {
+            Ok(avatar) => avatar.validate().unwrap(),
+            Err(Error::Format { .. }) => refused += 1,
+            Err(other) => panic!("{other:?}"),
+        }
+    }
+    assert!(refused > 20, "{refused}");
+}
+
+#[test]
+fn foreign_and_newer_files_are_named() {
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let bytes = to_bytes(&avatar).unwrap();
+    assert!(problem(b"glTF\x02\0\0\0 something else altogether").contains("not a baked avatar"));
+    let mut newer = bytes.clone();
+    newer[8] = 2;
+    assert!(problem(&newer).contains("update supple"));
+    newer[8] = 0;
+    assert!(problem(&newer).contains("bake it again"));
+}
+
+#[test]
+fn bad_recipes_and_bodies_are_typed_errors() {
+    let body = Limb::S.body().unwrap();
+    let error =
+        |body: &Body, recipe: &Recipe| bake(body, recipe, &mut |_| {}).unwrap_err().to_string();
+    let region = |change: fn(&mut HandleRegion)| {
+        let mut recipe = recipe(HandlePlace::Skin, 8);
+        change(&mut recipe.handles[0]);
+        recipe
+    };
+    let cases: [(fn(&mut HandleRegion), &str); 7] = [
+        (|r| r.bones = vec!["elbow".into()], "elbow"),
+        (|r| r.vertices = vec![9999], "handles[0].vertices"),
+        (|r| r.within = Some([[9.0; 3], [10.0; 3]]), "no soft place"),
+        (|r| r.spacing = Some(0.1), "not both"),
+        (|r| r.count = Some(0), "positive count"),
+        (
+            |r| {
+                *r = HandleRegion {
+                    place: HandlePlace::Points,
+                    points: vec![[0.1, 0.0, 0.0]],
+                    ..Default::default()
+                }
+            },
+            "outside the layer",
+        ),
+        (
+            |r| {
+                *r = HandleRegion {
+                    place: HandlePlace::Points,
+                    points: vec![[0.1, 0.03, 0.0]; 2],
+                    ..Default::default()
+                }
+            },
+            "two handles",
+        ),
+    ];
+    for (change, expected) in cases {
+        let message = error(&body, &region(change));
+        assert!(message.contains(expected), "{message:?} lacks {expected:?}");
+    }
+    let mut none = recipe(HandlePlace::Skin, 8);
+    none.handles.clear();
+    assert!(error(&body, &none).contains("at least one"));
+    let mut orphan = body.clone();
+    orphan.layer.mesh.nodes.push(DVec3::ZERO);
+    orphan.layer.bone_of_node.push(None);
+    assert!(error(&orphan, &recipe(HandlePlace::Skin, 8)).contains("belongs to no tet"));
+    let mut empty = body;
+    empty.layer = Default::default();
+    empty.layer.skin_embedding = (0..empty.skin.positions.len()).map(|_| []).collect();
+    assert!(error(&empty, &recipe(HandlePlace::Skin, 8)).contains("mesh"));
+}
+
+#[test]
+fn points_inside_tets_are_handles_too() {
+    let body = Limb::S.body().unwrap();
+    let points = [
+        [0.101, 0.0, 0.031],
+        [0.143, 0.027, -0.004],
+        [0.05, -0.03, 0.0023],
+    ];
+    let recipe = untruncated(Recipe {
+        handles: vec![HandleRegion {
+            place: HandlePlace::Points,
+            points: points.to_vec(),
+            ..Default::default()
+        }],
+        ..Default::default()
+    });
+    let avatar = baked(&body, &recipe);
+    let mesh = &avatar.layer.mesh;
+    for (h, &p) in avatar.handles.iter().enumerate() {
+        let inside = |&t: &usize| mesh.barycentric(t, p).iter().all(|&s| s >= -1e-12);
+        let t = (0..mesh.tets.len()).find(inside).unwrap();
+        let mut at_point = vec![0.0; points.len()];
+        for (&n, share) in mesh.tets[t].iter().zip(mesh.barycentric(t, p)) {
+            for &(handle, u) in avatar.layer.basis.row(n as usize) {
+                at_point[handle as usize] += share * u;
+            }
+        }
+        for (k, u) in at_point.iter().enumerate() {
+            assert!(
+                (u - f64::from(u8::from(k == h))).abs() < 1e-9,
+                "U_{k} at handle {h}: {u}"
+            );
+        }
+    }
+}
+
+/// A layer of the hand's size: 20,328 nodes, 85,800 tets, 87 handles and 700 points.
+#[test]
+fn a_layer_of_twenty_thousand_nodes_bakes_in_half_a_minute() {
+    let limb = Limb {
+        stations: 65,
+        layers: 6,
+        sectors: 44,
+        ..Limb::S
+    };
+    let mut recipe = recipe(HandlePlace::Skin, 87);
+    recipe.cubature.points = Some(700);
+    let body = limb.body().unwrap();
+    let start = std::time::Instant::now();
+    let (_, report) = bake(&body, &recipe, &mut |_| {}).unwrap();
+    println!("{:?}\n{:?}", report.cubature, report.seconds);
+    assert_eq!((report.nodes, report.handles), (20328, 87));
+    assert!(start.elapsed().as_secs() < 30, "{:?}", report.seconds);
+}
