@@ -1,6 +1,7 @@
 //! The step: state, Newton's method, the reduced linear system.
 
 mod dense_cholesky;
+mod energy;
 mod instance;
 mod line_search;
 mod linear_solver;
@@ -12,6 +13,7 @@ mod sparse_cholesky;
 mod stopwatch;
 
 pub use dense_cholesky::DenseCholesky;
+pub use energy::EnergyBalance;
 pub use instance::{Instance, Pin};
 pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};

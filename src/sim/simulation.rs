@@ -15,12 +15,12 @@ use glam::DVec3;
 
 /// Avatars of one asset, stepped together by backward Euler.
 pub struct Simulation<P: Potential> {
-    potential: P,
+    pub(super) potential: P,
     solver: Box<dyn LinearSolver + Send + Sync>,
-    settings: Settings,
-    skeleton: SkeletonModel,
-    captured_under_gravity: bool,
-    instances: Vec<Instance>,
+    pub(super) settings: Settings,
+    pub(super) skeleton: SkeletonModel,
+    pub(super) captured_under_gravity: bool,
+    pub(super) instances: Vec<Instance>,
     newton: Newton,
 }
 
@@ -197,17 +197,7 @@ impl<P: Potential> Simulation<P> {
         let starts: Vec<_> = self
             .instances
             .iter()
-            .map(|instance| StepStart {
-                time_step: self.settings.time_step,
-                previous: &instance.previous,
-                current: &instance.state,
-                colliders: &instance.colliders,
-                tissue_gravity: if self.captured_under_gravity {
-                    DVec3::ZERO
-                } else {
-                    instance.gravity
-                },
-            })
+            .map(|instance| tissue_start(&self.settings, self.captured_under_gravity, instance))
             .collect();
         self.potential
             .begin_step(&starts, &self.newton.active)
@@ -256,7 +246,7 @@ impl<P: Potential> Simulation<P> {
 }
 
 /// The skeleton's terms of an instance's next step.
-fn skeleton_terms(
+pub(super) fn skeleton_terms(
     model: &SkeletonModel,
     settings: &Settings,
     instance: &Instance,
@@ -273,4 +263,24 @@ fn skeleton_terms(
             gravity: instance.gravity,
         },
     )
+}
+
+/// What the tissue's next step of an instance starts from.
+pub(super) fn tissue_start<'a>(
+    settings: &Settings,
+    captured_under_gravity: bool,
+    instance: &'a Instance,
+) -> StepStart<'a> {
+    StepStart {
+        time_step: settings.time_step,
+        previous: &instance.previous,
+        current: &instance.state,
+        colliders: &instance.colliders,
+        // A captured shape already sags: the tissue's weight is then among the skeleton's terms.
+        tissue_gravity: if captured_under_gravity {
+            DVec3::ZERO
+        } else {
+            instance.gravity
+        },
+    }
 }

@@ -1,0 +1,221 @@
+//! Avatars for tests of the whole step: the limb with any number of bones in a row along it, in its
+//! full space: a handle at every free node, a point in every tet.
+#![allow(dead_code, reason = "every test file uses its own part")]
+
+use supple::glam::{DMat3, DVec3};
+use supple::material::{Material, StableNeoHookean};
+use supple::math::Rows;
+use supple::model::{
+    Avatar, BasisEntry, BoneMass, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer, State,
+};
+use supple::sample::Limb;
+
+/// A few hundred DoFs.
+pub const SMALL: Limb = Limb {
+    length: 0.25,
+    inner_radius: 0.015,
+    outer_radius: 0.04,
+    stations: 6,
+    layers: 2,
+    sectors: 6,
+};
+
+/// `limb` around `bones` bones of density 1900 kg/m³ in a row, each weight going over to the next
+/// within a quarter of a bone. Gravity acts on φ as well unless `captured_under_gravity`.
+pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) -> Avatar {
+    let (mesh, pinned, surface) = limb.mesh().unwrap();
+    let bone_length = limb.length / bones as f64;
+    let bone_at = |x: f64| ((x / bone_length) as usize).min(bones - 1);
+    let weights = |x: DVec3| weights_along(x.x / bone_length, bones);
+
+    let mut bone_of_node = vec![None; mesh.nodes.len()];
+    for &n in &pinned {
+        bone_of_node[n as usize] = Some(bone_at(mesh.nodes[n as usize].x) as u32);
+    }
+    let mut handle_of_node = vec![None; mesh.nodes.len()];
+    let mut handles = Vec::new();
+    for (n, bone) in bone_of_node.iter().enumerate() {
+        if bone.is_none() {
+            handle_of_node[n] = Some(handles.len() as u32);
+            handles.push(mesh.nodes[n]);
+        }
+    }
+    let tets = 0..mesh.tets.len();
+    let centroids: Vec<DVec3> = tets
+        .clone()
+        .map(|t| mesh.corners(t).iter().sum::<DVec3>() / 4.0)
+        .collect();
+    let cubature = PointSet {
+        measure: tets.clone().map(|t| mesh.volume(t)).collect(),
+        skinning: centroids.iter().map(|&x| weights(x)).collect(),
+        basis: tets
+            .map(|t| {
+                let gradients = barycentric_gradients(mesh.corners(t));
+                let entry = |k: usize| {
+                    Some(BasisEntry {
+                        handle: handle_of_node[mesh.tets[t][k] as usize]?,
+                        value: 0.25,
+                        gradient: gradients[k],
+                    })
+                };
+                (0..4).filter_map(entry).collect::<Vec<_>>()
+            })
+            .collect(),
+        position: centroids,
+        pose_blend: PoseBlend::default(),
+    };
+    let mut vertex_of_node = vec![0; mesh.nodes.len()];
+    for (v, &n) in surface.iter().enumerate() {
+        vertex_of_node[n as usize] = v as u32;
+    }
+    let body = limb.body().unwrap();
+    let triangles = body.skin.triangles;
+    let positions: Vec<DVec3> = surface.iter().map(|&n| mesh.nodes[n as usize]).collect();
+    let mut area = vec![0.0; surface.len()];
+    for t in &triangles {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        let third = (b - a).cross(c - a).length() / 6.0;
+        t.iter().for_each(|&v| area[v as usize] += third);
+    }
+    let skin = PointSet {
+        measure: area,
+        skinning: positions.iter().map(|&x| weights(x)).collect(),
+        basis: surface
+            .iter()
+            .map(|&n| {
+                [BasisEntry {
+                    handle: handle_of_node[n as usize].unwrap(),
+                    value: 1.0,
+                    gradient: DVec3::ZERO,
+                }]
+            })
+            .collect(),
+        position: positions,
+        pose_blend: PoseBlend::default(),
+    };
+    let joint = |j: usize| DVec3::X * (bone_length * j as f64);
+    let avatar = Avatar {
+        name: "limb".into(),
+        skeleton: Skeleton {
+            names: (0..bones).map(|j| format!("bone {j}")).collect(),
+            parents: (0..bones)
+                .map(|j| j.checked_sub(1).map(|p| p as u32))
+                .collect(),
+            joints: (0..bones).map(joint).collect(),
+        },
+        bone_masses: vec![rod(bone_length, limb.inner_radius, 1900.0); bones],
+        handles,
+        cubature,
+        skin,
+        triangles,
+        material: Material::StableNeoHookean(StableNeoHookean {
+            youngs_modulus: 30e3,
+            poissons_ratio: 0.4,
+        }),
+        density: 1000.0,
+        damping_time: 0.0,
+        captured_under_gravity,
+        layer: SoftLayer {
+            tissue_fraction: vec![1.0; mesh.tets.len()],
+            skinning: mesh.nodes.iter().map(|&x| weights(x)).collect(),
+            basis: handle_of_node
+                .iter()
+                .map(|h| h.map(|h| (h, 1.0)))
+                .collect::<Rows<_>>(),
+            skin_embedding: surface.iter().map(|&n| [(n, 1.0)]).collect(),
+            bone_of_node,
+            mesh,
+        },
+    };
+    avatar.validate().unwrap();
+    avatar
+}
+
+/// Weights at `s` bone lengths along the row.
+fn weights_along(s: f64, bones: usize) -> Vec<SkinWeight> {
+    let bone = (s as usize).min(bones - 1);
+    let along = s - bone as f64;
+    let share = |distance: f64| (0.5 - 2.0 * distance).max(0.0);
+    let back = if bone > 0 { share(along) } else { 0.0 };
+    let forth = if bone + 1 < bones {
+        share(1.0 - along)
+    } else {
+        0.0
+    };
+    let mut out = Vec::new();
+    for (bone, weight) in [
+        (bone.wrapping_sub(1), back),
+        (bone, 1.0 - back - forth),
+        (bone + 1, forth),
+    ] {
+        if weight > 0.0 {
+            out.push(SkinWeight {
+                bone: bone as u32,
+                weight,
+            });
+        }
+    }
+    out
+}
+
+/// A solid rod along x from its joint.
+fn rod(length: f64, radius: f64, density: f64) -> BoneMass {
+    let mass = density * std::f64::consts::PI * radius * radius * length;
+    let mut s = [[0.0; 4]; 4];
+    s[0][0] = mass * length * length / 3.0;
+    (s[1][1], s[2][2]) = (mass * radius * radius / 4.0, mass * radius * radius / 4.0);
+    (s[0][3], s[3][0]) = (mass * length / 2.0, mass * length / 2.0);
+    s[3][3] = mass;
+    BoneMass { second_moment: s }
+}
+
+fn barycentric_gradients([a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
+    let rows = DMat3::from_cols(b - a, c - a, d - a).inverse().transpose();
+    let (x, y, z) = (rows.x_axis, rows.y_axis, rows.z_axis);
+    [-(x + y + z), x, y, z]
+}
+
+/// World positions of `points` in `state`.
+pub fn posed(avatar: &Avatar, points: &PointSet, state: &State) -> Vec<DVec3> {
+    (0..points.len())
+        .map(|i| {
+            let displaced = points.position[i]
+                + points
+                    .basis
+                    .row(i)
+                    .iter()
+                    .map(|u| u.value * state.handles[u.handle as usize])
+                    .sum::<DVec3>();
+            let skin = |w: &SkinWeight| {
+                let j = w.bone as usize;
+                w.weight * state.frames[j].transform(displaced - avatar.skeleton.joints[j])
+            };
+            points.skinning.row(i).iter().map(skin).sum()
+        })
+        .collect()
+}
+
+/// Largest distance between two lists of places.
+pub fn largest_distance(a: &[DVec3], b: &[DVec3]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (*a - *b).length())
+        .fold(0.0, f64::max)
+}
+
+/// Linear momentum of what moves from `previous` to `state` in `time_step`, kg m/s.
+pub fn momentum(avatar: &Avatar, previous: &State, state: &State, time_step: f64) -> DVec3 {
+    let [before, after] = [previous, state].map(|q| posed(avatar, &avatar.cubature, q));
+    let tissue: DVec3 = (before.iter().zip(&after).zip(&avatar.cubature.measure))
+        .map(|((a, b), w)| avatar.density * *w * (*b - *a))
+        .sum();
+    let bones: DVec3 = (previous.frames.iter().zip(&state.frames))
+        .zip(&avatar.bone_masses)
+        .map(|((a, b), mass)| {
+            let (mass, first) = mass.moments();
+            (b.rotation - a.rotation) * first + mass * (b.position - a.position)
+        })
+        .sum();
+    (tissue + bones) / time_step
+}
