@@ -2,6 +2,7 @@
 
 mod support;
 
+use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::model::Frame;
@@ -20,7 +21,7 @@ fn sphere(press: f64) -> Frame {
 #[test]
 fn press_forces_on_mesh_s() {
     let avatar = support::full_space_limb(&Limb::S, 1, false);
-    let potential = Reference::new(&avatar, 1).unwrap();
+    let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
     let solver = SparseCholesky::new(supple::potential::Potential::pattern(&potential)).unwrap();
     // So long a step that inertia is nothing: each ends in equilibrium.
     let settings = Settings {

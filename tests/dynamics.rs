@@ -2,6 +2,7 @@
 
 mod support;
 
+use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
@@ -18,7 +19,7 @@ const CONVERGED: SolverMode = SolverMode::Converged {
 };
 
 fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<Reference> {
-    let potential = Reference::new(avatar, 1).unwrap();
+    let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
     Simulation::new(avatar, potential, settings).unwrap()
 }
 

@@ -59,20 +59,18 @@ impl<P: Potential> Simulation<P> {
         self.potential
             .evaluate(&states, &all, &mut evaluations)
             .await?;
-        let balance =
-            |((instance, state), evaluation): ((_, &crate::model::State), &Evaluation)| {
-                let instance: &super::Instance = instance;
-                let bones = skeleton_terms(&self.skeleton, &self.settings, instance)
-                    .difference(&instance.state.frames, &state.frames);
-                let tissue = &evaluation.energies;
-                EnergyBalance {
-                    kinetic: tissue.inertia + bones.inertia,
-                    elastic: tissue.elastic,
-                    gravity: tissue.gravity + bones.gravity,
-                    contact: tissue.contact,
-                    skeleton: bones.joint + bones.bending + bones.tracking,
-                }
-            };
+        let balance = |((instance, state), evaluation): ((&Instance, &State), &Evaluation)| {
+            let bones = skeleton_terms(&self.skeleton, &self.settings, instance)
+                .difference(&instance.state.frames, &state.frames);
+            let tissue = &evaluation.energies;
+            EnergyBalance {
+                kinetic: tissue.inertia + bones.inertia,
+                elastic: tissue.elastic,
+                gravity: tissue.gravity + bones.gravity,
+                contact: tissue.contact,
+                skeleton: bones.joint + bones.bending + bones.tracking,
+            }
+        };
         let lanes = resting.iter().zip(&states).zip(&evaluations);
         Ok(lanes.map(balance).collect())
     }
