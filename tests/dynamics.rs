@@ -109,10 +109,11 @@ fn energy_never_rises() -> Result<()> {
     instance.previous.frames[1].rotation = rotation_exp(-w * 0.01);
     let mut total: Option<f64> = None;
     let (mut highest, mut kinetic) = (f64::MIN, Vec::new());
-    let mut start = 0.0;
+    let (mut start, mut touched) = (0.0, 0);
     for _ in 0..1000 {
         let report = simulation.step_blocking()?;
         assert_ne!(report.instances[0].stop, Stop::IterationLimit);
+        touched += report.instances[0].contacts;
         let balance = pollster::block_on(simulation.energy_balance())?[0];
         let potential = match total {
             None => {
@@ -125,6 +126,7 @@ fn energy_never_rises() -> Result<()> {
         highest = f64::max(highest, potential + balance.kinetic);
         kinetic.push(balance.kinetic);
     }
+    assert!(touched > 0, "the ground is missed");
     println!(
         "started with {start} J, highest {highest} J, at the end {} J in motion",
         kinetic[999]
@@ -145,14 +147,19 @@ fn refining_the_time_step_converges_at_first_order() -> Result<()> {
         sectors: 4,
         ..support::SMALL
     };
-    let avatar = support::full_space_limb(&limb, 2, true);
+    let mut avatar = support::full_space_limb(&limb, 2, true);
+    // Backward Euler damps a vibration by exp(−ω² h T/2): first order shows where that is near 1, so
+    // the tissue damps its own fast ones.
+    avatar.damping_time = 4e-3;
     let duration = 0.02;
     let run = |steps: usize| -> Result<Vec<DVec3>> {
         let time_step = duration / steps as f64;
         let settings = Settings {
             time_step,
             solver: CONVERGED,
-            ..Settings::default()
+            // Soft enough for every vibration to be resolved.
+            joint_stiffness: 2e3,
+            bending_stiffness: 1.0,
         };
         let mut simulation = simulation(&avatar, settings);
         let instance = &mut simulation.instances_mut()[0];
@@ -164,13 +171,13 @@ fn refining_the_time_step_converges_at_first_order() -> Result<()> {
         let state = &simulation.instances()[0].state;
         Ok(support::posed(&avatar, &avatar.skin, state))
     };
-    let exact = run(320)?;
-    let errors = [10, 20, 40].map(|n| support::largest_distance(&run(n).unwrap(), &exact));
-    println!("errors at h = 2, 1, ½ ms: {errors:?} m");
-    // Against a reference at h/32, …: the ratio of first order is (1 − 1/32)/(½ − 1/32) = 2.07, 2.14.
+    let exact = run(640)?;
+    let errors = [20, 40, 80].map(|n| support::largest_distance(&run(n).unwrap(), &exact));
+    println!("errors at h = 1, ½, ¼ ms: {errors:?} m");
+    // Against a reference at h/32 the ratios of first order are (1 − 1/32)/(½ − 1/32) = 2.07 and 2.14.
     for pair in errors.windows(2) {
         let ratio = pair[0] / pair[1];
-        assert!((1.7..2.6).contains(&ratio), "{errors:?}");
+        assert!((1.95..2.3).contains(&ratio), "{errors:?}");
     }
     Ok(())
 }
@@ -187,7 +194,7 @@ fn scene(placement: &Frame, solver: SolverMode) -> Result<(Avatar, State)> {
         rotation: placement.rotation * f.rotation,
         position: placement.transform(f.position),
     };
-    let spin = DVec3::new(3.0, 4.0, 0.0);
+    let spin = DVec3::new(3.0, -4.0, 0.0);
     let start = avatar.rest_state();
     let back = earlier(&start, DVec3::ZERO, spin, 0.01);
     let placed = |state: &State| State {
@@ -242,8 +249,9 @@ fn a_moved_scene_gives_the_moved_result() -> Result<()> {
         let rest = support::posed(&avatar, &avatar.skin, &avatar.rest_state());
         let moved = support::largest_distance(&support::posed(&avatar, &avatar.skin, &here), &rest);
         println!("{solver:?}: {error:e} m of {moved:e} m");
-        // An f32 factor refined once leaves 1e-6 of a step of a few mm.
-        assert!(moved > 0.01 && error < 1e-7, "{solver:?}: {error:e} m");
+        // Rounding of world positions some metres away, through 15 steps; the iterated one also stops
+        // within its tolerance.
+        assert!(moved > 0.01 && error < 1e-9, "{solver:?}: {error:e} m");
     }
     Ok(())
 }
