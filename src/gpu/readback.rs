@@ -2,6 +2,7 @@
 
 use crate::{GpuError, Result};
 use std::future::Future;
+use std::ops::Range;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Waker};
@@ -36,18 +37,20 @@ impl Readback {
         Self { staging, waiting }
     }
 
-    /// Records the copy of `bytes` from `source` at `offset` to the start of the staging buffer.
+    /// Records the copy of `range` of `source` to byte `at` of the staging buffer.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         source: &wgpu::Buffer,
-        offset: u64,
-        bytes: u64,
+        range: Range<u64>,
+        at: u64,
     ) {
-        encoder.copy_buffer_to_buffer(source, offset, &self.staging, 0, bytes);
+        let bytes = range.end - range.start;
+        encoder.copy_buffer_to_buffer(source, range.start, &self.staging, at, bytes);
     }
 
-    /// Waits for the recorded copy, which must have been submitted, and hands its `bytes` to `consume`.
+    /// Waits for the recorded copies, which must have been submitted, and hands the first `bytes` of
+    /// them to `consume`.
     ///
     /// # Errors
     /// [`GpuError::DeviceLost`] where the device or the mapping failed.

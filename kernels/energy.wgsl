@@ -1,0 +1,154 @@
+// E(state) − E(base) of each term from increments, summed in a fixed tree. With δ = x − x_base and
+// e = d_base − ŷ the base's own distance from the inertial target:
+//   inertia  m/(2h²) (|δ + e|² − |e|²) = m/(2h²) δ·(δ + 2e)      gravity  −m g·δ
+//   elastic  w (Ψ(F) − Ψ(F_base))    damping  w β/(2h) (D : Cⁿ : D − B : Cⁿ : B) with D = B + ΔF the
+//   strain since the step's start    contact  ½ k a (δ₊² − δ_base₊²), δ = d̂ − d
+
+struct PartialEnergy {
+    inertia: f32,
+    gravity: f32,
+    elastic: f32,
+    damping: f32,
+    force: vec3<f32>,  // of the contacts on the skin, N
+    contact: f32,
+}
+
+struct Summary {
+    energy: PartialEnergy,
+    contacts: u32,
+}
+
+@group(0) @binding(0) var<uniform> constants: Constants;
+@group(0) @binding(1) var<uniform> chunk: Chunk;
+@group(0) @binding(2) var<storage, read> batch: array<BatchState>;
+@group(0) @binding(3) var<storage, read> points: array<Point>;
+@group(0) @binding(4) var<storage, read> handle_gradients: array<HandleGradient>;
+@group(0) @binding(5) var<storage, read> handles: array<Handle>;
+@group(0) @binding(6) var<storage, read> motion: array<Motion>;
+@group(0) @binding(7) var<storage, read> tangent: array<Tangent>;
+@group(0) @binding(8) var<storage, read> colliders: array<Collider>;
+@group(0) @binding(9) var<storage, read> distances: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read> contacts: array<Contact>;
+@group(0) @binding(11) var<storage, read_write> partial_energies: array<PartialEnergy>;
+@group(0) @binding(12) var<storage, read_write> summaries: array<Summary>;
+
+fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
+    return PartialEnergy(
+        a.inertia + b.inertia, a.gravity + b.gravity, a.elastic + b.elastic, a.damping + b.damping,
+        a.force + b.force, a.contact + b.contact,
+    );
+}
+
+var<workgroup> lanes: array<PartialEnergy, 64>;
+
+// The sum over a workgroup in a fixed tree, in lane 0.
+fn tree_sum(lane: u32, mine: PartialEnergy) -> PartialEnergy {
+    lanes[lane] = mine;
+    workgroupBarrier();
+    for (var width = 32u; width > 0u; width /= 2u) {
+        if (lane < width) {
+            lanes[lane] = sum_of(lanes[lane], lanes[lane + width]);
+        }
+        workgroupBarrier();
+    }
+    return lanes[0];
+}
+
+fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
+    let point = points[i];
+    let from_start = !is_start(state.base, state.instance);
+    let delta = motion[state.slot * constants.points + i].displacement;
+    var e = -motion[state.instance * constants.points + i].displacement;
+    if (from_start) {
+        e += motion[state.base * constants.points + i].displacement;
+    }
+    var h = mat3x3<f32>();
+    var increment = mat3x3<f32>();
+    var base_increment = mat3x3<f32>();
+    for (var k = 0u; k < point.handles; k++) {
+        let u = handle_gradients[point.first_gradient + k];
+        let phi = handles[state.slot * constants.handles + u.handle];
+        h += outer(phi.displacement, u.gradient);
+        increment += outer(phi.increment, u.gradient);
+        if (from_start) {
+            let base = handles[state.base * constants.handles + u.handle];
+            base_increment += outer(base.increment, u.gradient);
+        }
+    }
+    let mass = constants.density * point.measure;
+    var out = PartialEnergy();
+    out.inertia = 0.5 * mass * state.mass_rate * dot(delta, delta + 2.0 * e);
+    out.gravity = -mass * dot(state.gravity, delta);
+    out.elastic = point.measure * energy_difference(h, increment);
+    if (state.damping_rate > 0.0) {
+        let start = tangent[state.instance * constants.points + i];
+        out.damping = 0.5 * point.measure * state.damping_rate
+            * double_dot(increment, contract(start, increment + 2.0 * base_increment));
+    }
+    return out;
+}
+
+// One thread a cubature point.
+@compute @workgroup_size(64)
+fn point_energy(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = 64u * group.x + lane;
+    var mine = PartialEnergy();
+    if (i < constants.points) {
+        mine = energy_of_point(i, batch[chunk.first + group.y]);
+    }
+    let sum = tree_sum(lane, mine);
+    if (lane == 0u) {
+        let stride = constants.point_groups + constants.vertex_groups;
+        partial_energies[(chunk.first + group.y) * stride + group.x] = sum;
+    }
+}
+
+// One thread a skin vertex.
+@compute @workgroup_size(64)
+fn contact_energy(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let state = batch[chunk.first + group.y];
+    let i = 64u * group.x + lane;
+    var mine = PartialEnergy();
+    if (i < constants.points) {
+        for (var k = 0u; k < state.colliders; k++) {
+            let here = distances[first_distance(state.slot, i, state.colliders) + k];
+            let base = distances[first_distance(state.base, i, state.colliders) + k].w;
+            let depth = max(here.w, 0.0);
+            let base_depth = max(base, 0.0);
+            let stiffness = colliders[state.instance * constants.colliders + k].stiffness
+                * points[i].measure;
+            mine.contact += 0.5 * stiffness * (depth - base_depth) * (depth + base_depth);
+            mine.force += stiffness * depth * here.xyz;
+        }
+    }
+    let sum = tree_sum(lane, mine);
+    if (lane == 0u) {
+        let stride = constants.point_groups + constants.vertex_groups;
+        partial_energies[(chunk.first + group.y) * stride + constants.point_groups + group.x] = sum;
+    }
+}
+
+// One workgroup a state.
+@compute @workgroup_size(64)
+fn energy(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let stride = constants.point_groups + constants.vertex_groups;
+    let first = (chunk.first + group.y) * stride;
+    var mine = PartialEnergy();
+    for (var k = lane; k < stride; k += 64u) {
+        mine = sum_of(mine, partial_energies[first + k]);
+    }
+    let sum = tree_sum(lane, mine);
+    if (lane == 0u) {
+        summaries[chunk.first + group.y] =
+            Summary(sum, contacts[contact_header(group.y)].vertex);
+    }
+}

@@ -1,0 +1,65 @@
+// The packed lower blocks of the solver's Hessian: Σ of the points' blocks in fixed order, and
+// Σ k a (J_aᵀ n)(J_bᵀ n)ᵀ over the contacts that move both blocks. One thread a number.
+
+struct PatternBlock {
+    row: u32,
+    column: u32,
+    first: u32,  // its entries in gather_pairs
+    end: u32,
+}
+
+@group(0) @binding(0) var<uniform> constants: Constants;
+@group(0) @binding(1) var<uniform> chunk: Chunk;
+@group(0) @binding(2) var<storage, read> pattern: array<PatternBlock>;
+@group(0) @binding(3) var<storage, read> gather_pairs: array<u32>;  // 2 · pair + transposed
+@group(0) @binding(4) var<storage, read> point_hessians: array<f32>;
+@group(0) @binding(5) var<storage, read> vertex_blocks: array<u32>;
+@group(0) @binding(6) var<storage, read> contacts: array<Contact>;
+@group(0) @binding(7) var<storage, read> contact_rows: array<vec3<f32>>;
+@group(0) @binding(8) var<storage, read> block_contacts: array<u32>;
+@group(0) @binding(9) var<storage, read_write> result: array<f32>;
+
+@compute @workgroup_size(64)
+fn hessian(@builtin(global_invocation_id) id: vec3<u32>) {
+    let at = id.x / 9u;
+    if (at >= constants.pattern_blocks) {
+        return;
+    }
+    let block = pattern[at];
+    let row = id.x % 3u;
+    let column = (id.x / 3u) % 3u;
+    let plain = 3u * column + row;
+    let transposed = 3u * row + column;
+
+    var sum = 0.0;
+    let first = 9u * id.y * constants.local_pairs;
+    for (var k = block.first; k < block.end; k++) {
+        let entry = gather_pairs[k];
+        sum += point_hessians[first + 9u * (entry / 2u) + select(plain, transposed, entry % 2u == 1u)];
+    }
+
+    // Walk the shorter of the two blocks' contact lists; both rise, so the order is the same.
+    let lists = id.y * constants.blocks;
+    let stride = constants.contacts + 1u;
+    let row_list = (lists + block.row) * stride;
+    let column_list = (lists + block.column) * stride;
+    let by_row = block_contacts[row_list] <= block_contacts[column_list];
+    let list = select(column_list, row_list, by_row);
+    let other = select(block.row, block.column, by_row);
+    let words = (constants.blocks + 3u) / 4u;
+    for (var k = 0u; k < block_contacts[list]; k++) {
+        let entry = block_contacts[list + 1u + k];
+        let contact = contacts[contact_header(id.y) + 1u + entry / 256u];
+        let word = vertex_blocks[contact.vertex * words + other / 4u];
+        let place = (word >> (8u * (other % 4u))) & 255u;
+        if (place > 0u) {
+            let rows = (id.y * constants.contacts + entry / 256u) * constants.contact_blocks;
+            let here = contact_rows[rows + entry % 256u];
+            let there = contact_rows[rows + place - 1u];
+            let value = select(there[row] * here[column], here[row] * there[column], by_row);
+            sum += contact.stiffness * value;
+        }
+    }
+    let out = 3u * constants.blocks + 9u * constants.pattern_blocks;
+    result[(chunk.first + id.y) * out + 3u * constants.blocks + id.x] = sum;
+}

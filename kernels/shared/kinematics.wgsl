@@ -1,0 +1,40 @@
+// Points, what moves them, and the state of what moves them (method §1).
+
+struct Point {
+    position: vec3<f32>,   // X
+    measure: f32,          // cubature weight (m³) or area (m²)
+    first_influence: u32,  // its bones, then its handles
+    bones: u32,
+    handles: u32,
+    first_gradient: u32,
+    first_block: u32,      // its blocks (c, ω of each bone; φ of each handle) among all points'
+    first_pair: u32,       // its pairs of blocks among all points'
+}
+
+struct Influence {
+    index: u32,            // bone or handle
+    weight: f32,           // w or U
+}
+
+struct HandleGradient {
+    gradient: vec3<f32>,   // ∇U
+    handle: u32,
+}
+
+struct Frame {
+    rotation: mat3x3<f32>,            // R
+    rotation_increment: mat3x3<f32>,  // R − R_base
+    position: vec3<f32>,              // c relative to the instance's origin
+    position_increment: vec3<f32>,    // c − c_base
+    joint: vec3<f32>,                 // J
+}
+
+struct Handle {
+    displacement: vec3<f32>,  // φ_base
+    increment: vec3<f32>,     // φ − φ_base
+}
+
+struct Motion {
+    displacement: vec3<f32>,  // d = x(q) − x(q_base)
+    unposed: vec3<f32>,       // T
+}

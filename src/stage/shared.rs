@@ -1,0 +1,273 @@
+//! The structs that the host shares with the kernels; `kernels/shared` has their twins, with what each
+//! field means.
+
+use crate::gpu::{HostShareable, StructLayout, host_shareable};
+
+/// A 3×3 matrix as kernels store it: columns, each padded to 16 bytes.
+pub type Mat3 = [[f32; 4]; 3];
+
+host_shareable! {
+    /// What is constant for a set of points (kernels/shared/batch.wgsl).
+    pub struct Constants {
+        /// Points of the set.
+        pub points: u32,
+        /// Bones.
+        pub bones: u32,
+        /// Handles.
+        pub handles: u32,
+        /// Pose features of the set.
+        pub features: u32,
+        /// 3-vectors of q.
+        pub blocks: u32,
+        /// Stored blocks of the Hessian.
+        pub pattern_blocks: u32,
+        /// Σ of the blocks of every cubature point.
+        pub local_blocks: u32,
+        /// Σ of the pairs of blocks of every cubature point.
+        pub local_pairs: u32,
+        /// Room for colliders, an instance.
+        pub colliders: u32,
+        /// Room for active contacts, a state.
+        pub contacts: u32,
+        /// Most blocks that move one skin vertex.
+        pub contact_blocks: u32,
+        /// Workgroups over the cubature points.
+        pub point_groups: u32,
+        /// Workgroups over the skin.
+        pub vertex_groups: u32,
+        /// ρ, kg/m³.
+        pub density: f32,
+        /// Padding.
+        pub _pad: [u32; 2],
+        /// Parameters of the material.
+        pub material: [f32; 4],
+    }
+
+    /// One state of a batch (kernels/shared/batch.wgsl).
+    pub struct BatchState {
+        /// On the tissue's displacement, m/s².
+        pub gravity: [f32; 3],
+        /// 1/h², 1/s².
+        pub mass_rate: f32,
+        /// β/h.
+        pub damping_rate: f32,
+        /// Whose state it is.
+        pub instance: u32,
+        /// Where its numbers are.
+        pub slot: u32,
+        /// Slot of the state that the energy is measured from.
+        pub base: u32,
+        /// Colliders of the instance.
+        pub colliders: u32,
+        /// Padding.
+        pub _pad: [u32; 3],
+    }
+
+    /// Which states of a batch a dispatch takes (kernels/shared/batch.wgsl).
+    pub struct Chunk {
+        /// The first.
+        pub first: u32,
+    }
+
+    /// A material point (kernels/shared/kinematics.wgsl).
+    pub struct Point {
+        /// X, m.
+        pub position: [f32; 3],
+        /// Cubature weight (m³) or area (m²).
+        pub measure: f32,
+        /// Its bones, then its handles, among the influences.
+        pub first_influence: u32,
+        /// Number of bones.
+        pub bones: u32,
+        /// Number of handles.
+        pub handles: u32,
+        /// Its handles among the gradients.
+        pub first_gradient: u32,
+        /// Its blocks among all points'.
+        pub first_block: u32,
+        /// Its pairs of blocks among all points'.
+        pub first_pair: u32,
+        /// Padding.
+        pub _pad: [u32; 2],
+    }
+
+    /// A bone's or a handle's share (kernels/shared/kinematics.wgsl).
+    pub struct Influence {
+        /// Bone or handle.
+        pub index: u32,
+        /// w or U.
+        pub weight: f32,
+    }
+
+    /// ∇U of one handle at one point (kernels/shared/kinematics.wgsl).
+    pub struct HandleGradient {
+        /// ∇U, 1/m.
+        pub gradient: [f32; 3],
+        /// Handle.
+        pub handle: u32,
+    }
+
+    /// A bone's frame in one state (kernels/shared/kinematics.wgsl).
+    pub struct Frame {
+        /// R.
+        pub rotation: Mat3,
+        /// R − R_base.
+        pub rotation_increment: Mat3,
+        /// c relative to the instance's origin, m.
+        pub position: [f32; 3],
+        /// Padding.
+        pub _pad0: u32,
+        /// c − c_base, m.
+        pub position_increment: [f32; 3],
+        /// Padding.
+        pub _pad1: u32,
+        /// J, m.
+        pub joint: [f32; 3],
+        /// Padding.
+        pub _pad2: u32,
+    }
+
+    /// A handle in one state (kernels/shared/kinematics.wgsl).
+    pub struct Handle {
+        /// φ_base, m.
+        pub displacement: [f32; 3],
+        /// Padding.
+        pub _pad0: u32,
+        /// φ − φ_base, m.
+        pub increment: [f32; 3],
+        /// Padding.
+        pub _pad1: u32,
+    }
+
+    /// What a cubature point did (kernels/shared/kinematics.wgsl).
+    pub struct Motion {
+        /// d = x(q) − x(q_base), m.
+        pub displacement: [f32; 3],
+        /// Padding.
+        pub _pad0: u32,
+        /// T, m.
+        pub unposed: [f32; 3],
+        /// Padding.
+        pub _pad1: u32,
+    }
+
+    /// Blocks C_ij, i ≥ j, of a tangent (kernels/shared/tensor.wgsl).
+    pub struct Tangent {
+        /// ∂P₀/∂F₀, Pa.
+        pub c00: Mat3,
+        /// ∂P₁/∂F₀, Pa.
+        pub c10: Mat3,
+        /// ∂P₁/∂F₁, Pa.
+        pub c11: Mat3,
+        /// ∂P₂/∂F₀, Pa.
+        pub c20: Mat3,
+        /// ∂P₂/∂F₁, Pa.
+        pub c21: Mat3,
+        /// ∂P₂/∂F₂, Pa.
+        pub c22: Mat3,
+    }
+
+    /// A collider at the end of the step (kernels/shared/contact.wgsl).
+    pub struct Collider {
+        /// Rotation of its frame.
+        pub rotation: Mat3,
+        /// Origin of its frame relative to the instance's origin, m.
+        pub position: [f32; 3],
+        /// k, Pa/m.
+        pub stiffness: f32,
+        /// Sizes of the shape.
+        pub parameters: [f32; 4],
+        /// d̂, m.
+        pub margin: f32,
+        /// Number of the shape.
+        pub shape: u32,
+        /// Padding.
+        pub _pad: [u32; 2],
+    }
+
+    /// An active contact (kernels/shared/contact.wgsl).
+    pub struct Contact {
+        /// n, out of the collider.
+        pub normal: [f32; 3],
+        /// δ = d̂ − d, m.
+        pub depth: f32,
+        /// k a, N/m.
+        pub stiffness: f32,
+        /// Skin vertex.
+        pub vertex: u32,
+        /// Collider of the instance.
+        pub collider: u32,
+        /// Padding.
+        pub _pad: u32,
+    }
+
+    /// A stored block of the Hessian and its terms (kernels/hessian.wgsl).
+    pub struct PatternBlock {
+        /// Block row.
+        pub row: u32,
+        /// Block column.
+        pub column: u32,
+        /// Its first term.
+        pub first: u32,
+        /// The end of its terms.
+        pub end: u32,
+    }
+
+    /// Energies, J, and the contact force, N (kernels/energy.wgsl).
+    pub struct PartialEnergy {
+        /// Σ m/(2h²) |x − x̂|².
+        pub inertia: f32,
+        /// −Σ m g · x.
+        pub gravity: f32,
+        /// Σ w Ψ(F).
+        pub elastic: f32,
+        /// Σ w β/(2h) ΔF : Cⁿ : ΔF.
+        pub damping: f32,
+        /// Of the contacts on the skin.
+        pub force: [f32; 3],
+        /// Σ ½ k a δ².
+        pub contact: f32,
+    }
+
+    /// What is read back of every state (kernels/energy.wgsl).
+    pub struct Summary {
+        /// The sums.
+        pub energy: PartialEnergy,
+        /// Active contacts found, also where there was no room for them.
+        pub contacts: u32,
+        /// Padding.
+        pub _pad: [u32; 3],
+    }
+
+    /// A vertex of the drawn skin (kernels/skin.wgsl).
+    pub struct SkinVertex {
+        /// Relative to the instance's origin, m.
+        pub position: [f32; 3],
+        /// Padding.
+        pub _pad0: u32,
+        /// Unit normal.
+        pub normal: [f32; 3],
+        /// Padding.
+        pub _pad1: u32,
+    }
+}
+
+/// Layout of every struct that is shared with the kernels.
+pub const SHARED_STRUCTS: &[StructLayout<'static>] = &[
+    Constants::LAYOUT,
+    BatchState::LAYOUT,
+    Chunk::LAYOUT,
+    Point::LAYOUT,
+    Influence::LAYOUT,
+    HandleGradient::LAYOUT,
+    Frame::LAYOUT,
+    Handle::LAYOUT,
+    Motion::LAYOUT,
+    Tangent::LAYOUT,
+    Collider::LAYOUT,
+    Contact::LAYOUT,
+    PatternBlock::LAYOUT,
+    PartialEnergy::LAYOUT,
+    Summary::LAYOUT,
+    SkinVertex::LAYOUT,
+];

@@ -1,0 +1,175 @@
+//! Constant tables made once from the avatar: who moves whom, and which terms go where.
+
+use super::shared::{HandleGradient, Influence, PatternBlock, Point};
+use crate::math::Rows;
+use crate::model::{Avatar, PointSet, Space};
+use crate::potential::{BlockPattern, point_blocks};
+use crate::{Error, GpuError, Result};
+use glam::DVec3;
+
+/// Blocks that may move one cubature point: `MAX_BLOCKS` of point_hessian.wgsl.
+const MAX_POINT_BLOCKS: usize = 64;
+/// Blocks that may move one skin vertex: places are bytes, 0 meaning none.
+const MAX_VERTEX_BLOCKS: usize = 255;
+
+pub(super) fn round(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+/// A set of points as the kernels read it.
+#[derive(Debug, Default)]
+pub(super) struct PointTable {
+    pub points: Vec<Point>,
+    pub influences: Vec<Influence>,
+    pub gradients: Vec<HandleGradient>,
+    pub columns: Vec<f32>,
+    /// Blocks of every point in its own order.
+    pub blocks: Rows<u32>,
+    pub pairs: usize,
+}
+
+impl PointTable {
+    pub fn new(space: Space, set: &PointSet, field: &str, max_blocks: usize) -> Result<Self> {
+        let mut out = Self {
+            columns: set.pose_blend.columns.iter().flatten().copied().collect(),
+            ..Self::default()
+        };
+        let mut blocks = Vec::new();
+        for i in 0..set.len() {
+            let (bones, basis) = (set.skinning.row(i), set.basis.row(i));
+            out.points.push(Point {
+                position: round(set.position[i]),
+                measure: set.measure[i] as f32,
+                first_influence: out.influences.len() as u32,
+                bones: bones.len() as u32,
+                handles: basis.len() as u32,
+                first_gradient: out.gradients.len() as u32,
+                first_block: out.blocks.entries().len() as u32,
+                first_pair: out.pairs as u32,
+                ..Point::default()
+            });
+            out.influences.extend(bones.iter().map(|w| Influence {
+                index: w.bone,
+                weight: w.weight as f32,
+            }));
+            out.influences.extend(basis.iter().map(|u| Influence {
+                index: u.handle,
+                weight: u.value as f32,
+            }));
+            out.gradients.extend(basis.iter().map(|u| HandleGradient {
+                gradient: round(u.gradient),
+                handle: u.handle,
+            }));
+            point_blocks(space, set, i, &mut blocks);
+            if blocks.len() > max_blocks {
+                return Err(GpuError::Limit {
+                    what: format!(
+                        "blocks (two a bone, one a handle) that move point {i} of {field}"
+                    ),
+                    needed: blocks.len() as u64,
+                    limit: max_blocks as u64,
+                    cure: "truncate the basis and the skin weights, or evaluate on the CPU",
+                }
+                .into());
+            }
+            let mut sorted = blocks.clone();
+            sorted.sort_unstable();
+            if sorted.windows(2).any(|w| w[0] == w[1]) {
+                return Err(Error::invalid(
+                    format!("{field}.skinning"),
+                    format!("a bone or a handle stands twice in the row of point {i}; merge them"),
+                ));
+            }
+            out.pairs += blocks.len() * (blocks.len() + 1) / 2;
+            out.blocks.push(blocks.iter().copied());
+        }
+        Ok(out)
+    }
+}
+
+/// Everything constant that the kernels read of an avatar.
+#[derive(Debug)]
+pub(super) struct Tables {
+    pub cubature: PointTable,
+    pub skin: PointTable,
+    pub pattern: BlockPattern,
+    /// For every block of q, the points' own blocks that add to it.
+    pub gather: Rows<u32>,
+    /// For every stored block of the Hessian, where its terms are.
+    pub pattern_blocks: Vec<PatternBlock>,
+    /// 2 · pair + transposed, for every term.
+    pub gather_pairs: Vec<u32>,
+    /// Place + 1 of every block in a vertex's own order, four bytes a word; 0 where it does not move it.
+    pub vertex_blocks: Vec<u32>,
+    /// For every vertex, the other two corners of each triangle around it.
+    pub fan: Rows<[u32; 2]>,
+}
+
+impl Tables {
+    pub fn new(avatar: &Avatar) -> Result<Self> {
+        let space = avatar.space();
+        let cubature = PointTable::new(space, &avatar.cubature, "cubature", MAX_POINT_BLOCKS)?;
+        let skin = PointTable::new(space, &avatar.skin, "skin", MAX_VERTEX_BLOCKS)?;
+        let pattern = BlockPattern::new(space, &[&avatar.cubature, &avatar.skin]);
+
+        let mut gather = vec![Vec::new(); space.blocks()];
+        for (local, &block) in cubature.blocks.entries().iter().enumerate() {
+            gather[block as usize].push(local as u32);
+        }
+
+        let mut terms = vec![Vec::new(); pattern.len()];
+        for (point, blocks) in cubature.points.iter().zip(cubature.blocks.iter()) {
+            let mut pair = point.first_pair;
+            for (a, &row) in blocks.iter().enumerate() {
+                for &column in &blocks[..=a] {
+                    let transposed = row < column;
+                    let stored = pattern
+                        .find(row.max(column) as usize, row.min(column) as usize)
+                        .ok_or_else(|| {
+                            Error::invalid("pattern", "lacks a block of a cubature point")
+                        })?;
+                    terms[stored].push(2 * pair + u32::from(transposed));
+                    pair += 1;
+                }
+            }
+        }
+        let mut pattern_blocks = Vec::with_capacity(terms.len());
+        let mut gather_pairs = Vec::new();
+        for ((row, column), terms) in pattern.blocks().zip(&terms) {
+            let first = gather_pairs.len() as u32;
+            gather_pairs.extend(terms);
+            pattern_blocks.push(PatternBlock {
+                row: row as u32,
+                column: column as u32,
+                first,
+                end: gather_pairs.len() as u32,
+            });
+        }
+
+        let words = space.blocks().div_ceil(4);
+        let mut vertex_blocks = vec![0u32; words * skin.points.len()];
+        for (v, blocks) in skin.blocks.iter().enumerate() {
+            for (place, &block) in blocks.iter().enumerate() {
+                let block = block as usize;
+                vertex_blocks[v * words + block / 4] |= (place as u32 + 1) << (8 * (block % 4));
+            }
+        }
+
+        let mut fan = vec![Vec::new(); skin.points.len()];
+        for &[a, b, c] in &avatar.triangles {
+            for (v, edge) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
+                fan[v as usize].push(edge);
+            }
+        }
+        Ok(Self {
+            cubature,
+            skin,
+            pattern,
+            gather: gather.into_iter().collect(),
+            pattern_blocks,
+            gather_pairs,
+            vertex_blocks,
+            fan: fan.into_iter().collect(),
+        })
+    }
+}
