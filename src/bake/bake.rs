@@ -14,7 +14,14 @@ use crate::{Error, Result};
 use std::time::Instant;
 
 /// The phases of a bake, in order.
-pub const PHASES: [&str; 5] = ["skin weights", "basis", "cubature", "points", "bones"];
+pub const PHASES: [&str; 6] = [
+    "mesh",
+    "skin weights",
+    "basis",
+    "cubature",
+    "points",
+    "bones",
+];
 
 /// A basis that misses affine functions by more than this was not determined by its constraints.
 const LINEAR_PRECISION: f64 = 1e-6;
@@ -22,7 +29,7 @@ const LINEAR_PRECISION: f64 = 1e-6;
 /// Called at the start of each phase with its index in [`PHASES`], and once more with their number.
 pub type Progress<'a> = dyn FnMut(usize) + 'a;
 
-/// Bakes a body: basis at the handles, cubature, skin weights and blend shapes inside, bone masses.
+/// Bakes a body: the layer's mesh where it has none, basis at the handles, cubature, skin weights and blend shapes inside, bone masses.
 /// The same body and recipe give the same avatar, bit for bit, whatever the number of threads.
 ///
 /// # Errors
@@ -34,8 +41,18 @@ pub fn bake(
     progress: &mut Progress<'_>,
 ) -> Result<(Avatar, BakeReport)> {
     recipe.validate()?;
-    body.validate()?;
     let mut clock = Clock::new(progress);
+
+    clock.start(0);
+    let mut meshed;
+    let body = if body.layer.mesh.tets.is_empty() {
+        meshed = body.clone();
+        meshed.layer = recipe.mesher.mesh(body)?;
+        &meshed
+    } else {
+        body
+    };
+    body.validate()?;
     let layer = &body.layer;
     let mesh = &layer.mesh;
     check_nodes(mesh)?;
@@ -46,12 +63,12 @@ pub fn bake(
     };
     let areas = body.skin.vertex_areas();
 
-    clock.start(0);
+    clock.start(1);
     let field = InteriorField::new(mesh, &layer.bone_of_node, &layer.skin_embedding, &areas)?;
     let node_skinning =
         field.skin_weights(&body.skinning, body.skeleton.len(), recipe.bones_per_point)?;
 
-    clock.start(1);
+    clock.start(2);
     let handles = Handles::place(body, &node_skinning, &recipe.handles)?;
     let fixed: Vec<bool> = layer.bone_of_node.iter().map(Option::is_some).collect();
     let system = BiharmonicSystem::new(mesh, &fixed, &handles.constraints)?;
@@ -69,14 +86,14 @@ pub fn bake(
     let (basis, truncation_cost) = recipe.truncation.rows(&columns, &tissue.nodal_volumes());
     drop(columns);
 
-    clock.start(2);
+    clock.start(3);
     let cubature = if recipe.cubature.all_tets {
         Cubature::all_tets(tissue)
     } else {
         Cubature::sampled(tissue, recipe.points_for(handles.positions.len()))?
     };
 
-    clock.start(3);
+    clock.start(4);
     let points = PointSet {
         position: (cubature.tets.iter())
             .map(|&t| mesh.centroid(t as usize))
@@ -94,7 +111,7 @@ pub fn bake(
         pose_blend: body.pose_blend.clone(),
     };
 
-    clock.start(4);
+    clock.start(5);
     let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
     let seconds = clock.finish();
 

@@ -1,6 +1,6 @@
 //! What a bake is asked for.
 
-use super::{HandleRegion, Truncation};
+use super::{HandleRegion, Mesher, Truncation};
 use crate::material::{Material, StableNeoHookean};
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,8 @@ pub struct Recipe {
     pub captured_under_gravity: bool,
     /// Bones a cubature point or node may follow; the skin keeps all of its own.
     pub bones_per_point: usize,
+    /// How the layer is meshed, where the body comes without one.
+    pub mesher: Mesher,
     /// Where handles stand.
     pub handles: Vec<HandleRegion>,
     /// Truncation of the basis.
@@ -60,6 +62,7 @@ impl Default for Recipe {
             damping_time: 0.002,
             captured_under_gravity: true,
             bones_per_point: 4,
+            mesher: Mesher::default(),
             handles: vec![HandleRegion {
                 count: Some(82),
                 ..Default::default()
@@ -124,6 +127,9 @@ mod tests {
         let short = "density = 950.0\n[[handles]]\nbones = [\"palm\"]\nspacing = 0.01\n";
         let read: Recipe = toml::from_str(short).unwrap();
         assert_eq!((read.density, read.handles[0].spacing), (950.0, Some(0.01)));
+        let shell = "[mesher.prism_shell]\nthickness = 0.01\nlayers = 2\n";
+        let read: Recipe = toml::from_str(shell).unwrap();
+        assert!(matches!(read.mesher, Mesher::PrismShell(s) if s.layers == 2));
         let error = toml::from_str::<Recipe>("densty = 1.0")
             .unwrap_err()
             .to_string();

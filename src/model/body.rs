@@ -1,8 +1,9 @@
 //! What baking starts from: a skinned body and the mesh of its soft layer.
 
-use super::{PoseBlend, Skeleton, SkinWeight, Surface, TetMesh};
+use super::{ParametricModel, PoseBlend, Skeleton, SkinWeight, Surface, TetMesh};
 use crate::math::Rows;
 use crate::{Error, Result};
+use glam::DVec3;
 
 /// The meshed volume between bones and skin.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,6 +91,37 @@ pub struct Body {
 }
 
 impl Body {
+    /// Shape β of `model`, its layer not yet meshed. Pose directions that are all 0 are left out.
+    pub fn of_model(
+        name: &str,
+        model: &ParametricModel,
+        betas: &[f64],
+        bone_surfaces: Vec<Surface>,
+    ) -> Self {
+        let directions = &model.pose_directions;
+        let moves = directions.iter().flatten().any(|d| *d != DVec3::ZERO);
+        let pose_blend = if moves {
+            PoseBlend {
+                features: directions.len(),
+                columns: (directions.iter().flatten().map(|d| d.as_vec3().to_array())).collect(),
+            }
+        } else {
+            PoseBlend::default()
+        };
+        Self {
+            name: name.into(),
+            skeleton: model.skeleton(betas),
+            skin: Surface {
+                positions: model.shaped(betas),
+                triangles: model.triangles.clone(),
+            },
+            skinning: model.weights.clone(),
+            pose_blend,
+            bone_surfaces,
+            layer: LayerMesh::default(),
+        }
+    }
+
     /// Checks every length, index and number.
     pub fn validate(&self) -> Result<()> {
         self.skeleton.validate()?;

@@ -8,9 +8,11 @@ use crate::math::par_map;
 use crate::model::{LayerMesh, SkinWeight, Surface, TetMesh};
 use crate::{Error, Result, math::Rows};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// How a shell is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ShellOptions {
     /// Greatest depth of the layer, m.
     pub thickness: f64,
