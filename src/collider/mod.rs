@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// The shape of a collider, in its own frame, m. A new shape is one file, its kernel, and its lines here.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "shape", rename_all = "snake_case")]
+#[serde(tag = "shape", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
     /// The solid below the plane z = 0.
     HalfSpace,

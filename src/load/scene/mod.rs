@@ -1,0 +1,206 @@
+//! Scenes: an avatar, what drives it, what it touches, what is measured and drawn. TOML.
+//!
+//! Every key that a scene does not know is an error, and so is every number that is not finite.
+
+mod motion;
+mod read;
+
+pub use motion::Motion;
+pub(super) use read::{of_file, parse_toml};
+pub use read::{parse_scene, read_scene};
+
+use super::AvatarSource;
+use crate::collider::Shape;
+use crate::material::Material;
+use crate::sim::Settings;
+use crate::skeleton::Spring;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// A scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// What it is called; results go into a folder of this name.
+    pub name: String,
+    /// Number of steps.
+    pub steps: usize,
+    /// m/s².
+    #[serde(default = "earth")]
+    pub gravity: DVec3,
+    /// Who it is about.
+    pub avatar: AvatarSource,
+    /// Time step, solver, stiffness of joints and of the skeleton's bending.
+    #[serde(default)]
+    pub settings: Settings,
+    /// In place of the baked material.
+    pub material: Option<Material>,
+    /// In place of the baked stiffness-proportional damping β, s.
+    pub damping_time: Option<f64>,
+    /// Where the root stands, before anything moves.
+    #[serde(default)]
+    pub placement: Placement,
+    /// The bones' pose at the start and the rest pose of their bending springs; others are straight.
+    #[serde(default)]
+    pub pose: Vec<BonePose>,
+    /// Bones that follow a motion exactly.
+    #[serde(default)]
+    pub pins: Vec<Pinned>,
+    /// Bones that are drawn to a motion by springs.
+    #[serde(default)]
+    pub targets: Vec<Target>,
+    /// What the skin touches.
+    #[serde(default)]
+    pub colliders: Vec<SceneCollider>,
+    /// When is measured.
+    pub measure: Measure,
+    /// What is drawn.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// Where the root stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Placement {
+    /// Shift of the root joint from its reference place, m.
+    pub position: DVec3,
+    /// Rotation vector about the root joint, degrees.
+    pub rotation_degrees: DVec3,
+}
+
+/// A bone's rotation relative to its parent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BonePose {
+    /// Name of the bone.
+    pub bone: String,
+    /// Rotation vector, degrees.
+    pub rotation_degrees: DVec3,
+}
+
+/// A bone that follows a motion exactly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pinned {
+    /// Name of the bone.
+    pub bone: String,
+    /// Relative to where it starts.
+    #[serde(default)]
+    pub motion: Motion,
+}
+
+/// A bone that is drawn to a motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// Name of the bone.
+    pub bone: String,
+    /// Relative to where it starts.
+    #[serde(default)]
+    pub motion: Motion,
+    /// N/m, N·s/m.
+    pub position: Spring,
+    /// N·m/rad, N·m·s.
+    pub rotation: Spring,
+}
+
+/// A solid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneCollider {
+    /// Name in files that are written.
+    pub name: String,
+    /// m.
+    pub shape: Shape,
+    /// Penalty stiffness k, Pa/m. It moves the answer: a stiffer one presses harder.
+    #[serde(default = "contact_stiffness")]
+    pub stiffness: f64,
+    /// d̂: distance at which contact begins, m.
+    #[serde(default)]
+    pub margin: f64,
+    /// Where it is, in the world.
+    #[serde(default)]
+    pub motion: Motion,
+}
+
+/// Times at which the report measures, s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measure {
+    /// Settled, before contact: what is left of the displacement in the end is measured against it.
+    pub settled: f64,
+    /// Under full press: the contact force's time.
+    pub full_press: f64,
+}
+
+/// What is drawn and recorded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Pictures of the strip, from the left.
+    pub panels: Vec<PanelTime>,
+    /// Direction in which the camera looks.
+    pub view: DVec3,
+    /// Pixels of a panel.
+    pub panel_size: [usize; 2],
+    /// Opens the skin: what lies in direction `normal` of `point` is not drawn.
+    pub cut: Option<Cut>,
+    /// Value of the darkest colour, mm; the largest displacement drawn if not given.
+    pub legend_mm: Option<f64>,
+    /// Steps from one recorded state to the next, in the GLB file.
+    pub record_every: usize,
+}
+
+/// A picture's time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PanelTime {
+    /// s.
+    pub time: f64,
+    /// Below the picture.
+    pub caption: String,
+}
+
+/// A plane that opens the skin.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cut {
+    /// A point of it, m.
+    pub point: DVec3,
+    /// Towards what is not drawn.
+    pub normal: DVec3,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            panels: Vec::new(),
+            view: DVec3::new(-0.5, 1.0, -0.5),
+            panel_size: [640, 560],
+            cut: None,
+            legend_mm: None,
+            record_every: 2,
+        }
+    }
+}
+
+fn earth() -> DVec3 {
+    DVec3::new(0.0, 0.0, -9.81)
+}
+
+fn contact_stiffness() -> f64 {
+    1e8
+}
+
+impl Scene {
+    /// Time at the end of the last step, s.
+    pub fn duration(&self) -> f64 {
+        self.steps as f64 * self.settings.time_step
+    }
+
+    /// The step whose end is nearest to `time`, from 1 to the number of steps.
+    pub fn step_at(&self, time: f64) -> usize {
+        ((time / self.settings.time_step).round() as usize).clamp(1, self.steps.max(1))
+    }
+}

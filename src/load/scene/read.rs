@@ -1,0 +1,162 @@
+//! TOML to scenes.
+
+use super::Scene;
+use crate::{Error, Result};
+use serde::de::DeserializeOwned;
+use std::path::Path;
+use toml::Value;
+
+/// Reads the scene at `path`; files that it names lie relative to it.
+///
+/// # Errors
+/// [`Error::Io`] where the file cannot be read, [`Error::Format`] with line or key where it is broken.
+pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
+    let path = path.as_ref();
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+    let mut scene = parse_scene(&text, path)?;
+    scene.avatar.resolve(path.parent().unwrap_or(Path::new("")));
+    Ok(scene)
+}
+
+/// Reads a scene from `text`; `path` names it in errors. See [`read_scene`].
+pub fn parse_scene(text: &str, path: &Path) -> Result<Scene> {
+    let scene: Scene = parse_toml(text, path)?;
+    scene.validate().map_err(|e| of_file(e, path))?;
+    Ok(scene)
+}
+
+/// Reads any TOML file whose numbers must be finite.
+pub(in crate::load) fn parse_toml<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T> {
+    let broken = |e: toml::de::Error| {
+        let line = e
+            .span()
+            .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
+        Error::format(path, format!("line {line}"), e.message())
+    };
+    let table: toml::Table = toml::from_str(text).map_err(broken)?;
+    if let Some(key) = not_finite(&Value::Table(table), String::new()) {
+        return Err(Error::format(path, key, "is not a finite number"));
+    }
+    toml::from_str(text).map_err(broken)
+}
+
+/// An [`Error::Invalid`] as one of the file it came from.
+pub(in crate::load) fn of_file(error: Error, path: &Path) -> Error {
+    match error {
+        Error::Invalid { field, problem } => Error::format(path, field, problem),
+        other => other,
+    }
+}
+
+/// The key of the first number that is NaN or infinite.
+fn not_finite(value: &Value, key: String) -> Option<String> {
+    match value {
+        Value::Float(f) if !f.is_finite() => Some(key),
+        Value::Array(items) => {
+            let mut items = items.iter().enumerate();
+            items.find_map(|(i, v)| not_finite(v, format!("{key}[{i}]")))
+        }
+        Value::Table(table) => table.iter().find_map(|(name, v)| {
+            let dot = if key.is_empty() { "" } else { "." };
+            not_finite(v, format!("{key}{dot}{name}"))
+        }),
+        _ => None,
+    }
+}
+
+impl Scene {
+    /// Checks every number that needs no avatar to be judged; NaN never gets here.
+    pub fn validate(&self) -> Result<()> {
+        const MOST_STEPS: usize = 10_000_000;
+        let check = |ok: bool, field: String, problem: &str| match ok {
+            true => Ok(()),
+            false => Err(Error::invalid(field, problem)),
+        };
+        let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+        check(
+            !self.name.is_empty() && self.name.chars().all(plain),
+            "name".into(),
+            "names a folder: use letters, digits, - and _",
+        )?;
+        check(
+            (1..=MOST_STEPS).contains(&self.steps),
+            "steps".into(),
+            "must be 1 to 10,000,000",
+        )?;
+        self.settings.validate()?;
+        self.avatar.validate()?;
+        if let Some(material) = &self.material {
+            material.validate()?;
+        }
+        check(
+            self.damping_time.is_none_or(|b| b >= 0.0),
+            "damping_time".into(),
+            "must be zero or positive (s)",
+        )?;
+        for (i, pin) in self.pins.iter().enumerate() {
+            pin.motion.validate(&format!("pins[{i}].motion"))?;
+        }
+        for (i, target) in self.targets.iter().enumerate() {
+            target.motion.validate(&format!("targets[{i}].motion"))?;
+            let positive = |s: &crate::skeleton::Spring| s.stiffness >= 0.0 && s.damping >= 0.0;
+            check(
+                positive(&target.position) && positive(&target.rotation),
+                format!("targets[{i}]"),
+                "stiffness and damping must be zero or positive",
+            )?;
+        }
+        for (i, collider) in self.colliders.iter().enumerate() {
+            let field = format!("colliders[{i}]");
+            collider.motion.validate(&format!("{field}.motion"))?;
+            collider.shape.validate().map_err(|e| match e {
+                Error::Invalid { problem, .. } => Error::invalid(format!("{field}.shape"), problem),
+                other => other,
+            })?;
+            check(
+                collider.stiffness > 0.0,
+                format!("{field}.stiffness"),
+                "must be positive (Pa/m); 1e8 is usual",
+            )?;
+            check(
+                collider.margin >= 0.0,
+                format!("{field}.margin"),
+                "must be zero or positive (m)",
+            )?;
+        }
+        let within = |time: f64| (0.0..=self.duration() * (1.0 + 1e-9)).contains(&time);
+        let times = [
+            ("settled", self.measure.settled),
+            ("full_press", self.measure.full_press),
+        ];
+        for (name, time) in times {
+            let field = format!("measure.{name}");
+            check(within(time), field, "must lie within the run (s)")?;
+        }
+        for (i, panel) in self.output.panels.iter().enumerate() {
+            let field = format!("output.panels[{i}].time");
+            check(within(panel.time), field, "must lie within the run (s)")?;
+        }
+        let [width, height] = self.output.panel_size;
+        check(
+            (16..=4096).contains(&width) && (16..=4096).contains(&height),
+            "output.panel_size".into(),
+            "must be 16 to 4096 pixels each way",
+        )?;
+        check(
+            self.output.record_every > 0,
+            "output.record_every".into(),
+            "must be at least 1",
+        )?;
+        check(
+            self.output.view.length() > 0.0
+                && self.output.cut.is_none_or(|c| c.normal.length() > 0.0),
+            "output".into(),
+            "a direction has no length",
+        )?;
+        check(
+            self.output.legend_mm.is_none_or(|l| l > 0.0),
+            "output.legend_mm".into(),
+            "must be positive",
+        )
+    }
+}
