@@ -13,6 +13,8 @@ mod bones;
 mod field;
 mod palmar;
 mod polygonise;
+mod pose_columns;
+mod poses;
 mod regressor;
 mod relief;
 mod remesh;
@@ -50,7 +52,7 @@ pub fn hand() -> Result<SampleHand> {
     let joints = anatomy::joints(&digits);
     let shape = shape::HandShape::new(&digits);
     let skin = skin::skin(&shape);
-    let weights = weights::weights(&shape, &digits, &skin);
+    let weights = weights::weights(&shape, &digits, &skin)?;
     let (directions, joint_motions) =
         shape_directions::shape_directions(&digits, &joints, &skin, &weights);
     let joint_regressor =
@@ -66,17 +68,17 @@ pub fn hand() -> Result<SampleHand> {
             triangles: b.triangles,
         })
         .collect();
-    let vertices = skin.positions.len();
-    let model = ParametricModel {
+    let mut model = ParametricModel {
         template: in_metres(skin.positions),
         triangles: skin.triangles,
         shape_directions: directions.into_iter().map(in_metres).collect(),
-        pose_directions: vec![vec![glam::DVec3::ZERO; vertices]; 9 * 15],
+        pose_directions: Vec::new(),
         weights,
         joint_regressor,
         parents: (0..16).map(anatomy::parent).collect(),
         names: anatomy::NAMES.map(String::from).to_vec(),
     };
+    model.pose_directions = pose_columns::pose_columns(&model, &digits)?;
     Ok(SampleHand {
         model,
         bones,

@@ -2,11 +2,9 @@
 //! template and close under every shape direction.
 
 use super::anatomy::parent;
-use crate::math::Rows;
+use crate::Result;
+use crate::math::{DenseFactor, Rows};
 use crate::model::{SkinWeight, Surface};
-use crate::{Error, Result};
-use faer::Mat;
-use faer::prelude::Solve;
 use glam::DVec3;
 
 /// Weight of a joint's motion under shape directions against its place in the template: a tenth
@@ -60,29 +58,24 @@ pub(super) fn joint_regressor(
             right.extend((SHAPE_SHARE * motion[j]).to_array());
         }
         let columns: Vec<Vec<f64>> = ring.iter().map(|&(v, _)| column(v)).collect();
-        let mut gram = Mat::<f64>::zeros(constraints, constraints);
+        let mut gram = vec![vec![0.0; constraints]; constraints];
         for (c, &(_, closeness)) in columns.iter().zip(&ring) {
             for a in 0..constraints {
                 for b in 0..constraints {
-                    gram[(a, b)] += closeness * c[a] * c[b];
+                    gram[a][b] += closeness * c[a] * c[b];
                 }
             }
         }
-        let trace: f64 = (0..constraints).map(|a| gram[(a, a)]).sum();
-        for a in 0..constraints {
-            gram[(a, a)] += RIDGE * trace;
+        let trace: f64 = (0..constraints).map(|a| gram[a][a]).sum();
+        for (a, row) in gram.iter_mut().enumerate() {
+            row[a] += RIDGE * trace;
         }
-        let factor = gram.llt(faer::Side::Lower).map_err(|e| Error::Solve {
-            system: "joint regressor",
-            problem: format!("joint {j}: {e:?}"),
-        })?;
-        let rhs = Mat::from_fn(constraints, 1, |a, _| right[a]);
-        let multiplier = factor.solve(&rhs);
+        let multiplier = DenseFactor::new(&gram, "joint regressor")?.solve(&right);
         rows.push(
             ring.iter()
                 .zip(&columns)
                 .map(|(&(v, closeness), c)| {
-                    let value: f64 = (0..constraints).map(|a| c[a] * multiplier[(a, 0)]).sum();
+                    let value: f64 = (0..constraints).map(|a| c[a] * multiplier[a]).sum();
                     (v as u32, closeness * value)
                 })
                 .collect::<Vec<_>>(),

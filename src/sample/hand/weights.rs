@@ -4,7 +4,8 @@
 
 use super::anatomy::Digit;
 use super::shape::HandShape;
-use crate::math::{Rows, par_map};
+use crate::Result;
+use crate::math::{Rows, SparseFactor, SparseSymmetric};
 use crate::model::{SkinWeight, Surface};
 use glam::DVec3;
 
@@ -31,86 +32,27 @@ fn segment(shape: &HandShape, stations: &[[f64; 4]], p: DVec3) -> (usize, f64) {
     (1 + 3 * digit + k, wide + (2.6 - wide) * reach)
 }
 
-/// The symmetric cotangent operator ∫∇u·∇v with a coefficient, and lumped areas.
-struct Diffusion {
-    edges: Rows<(u32, f64)>,
-    mass: Vec<f64>,
-}
-
-impl Diffusion {
-    fn new(skin: &Surface, radius: &[f64]) -> Self {
-        let mut rows = vec![std::collections::BTreeMap::<u32, f64>::new(); skin.positions.len()];
-        for t in &skin.triangles {
-            for k in 0..3 {
-                let [a, b, c] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]];
-                let [u, v] =
-                    [a, b].map(|i| skin.positions[i as usize] - skin.positions[c as usize]);
-                // Clamped, so that weights stay between 0 and 1 (maximum principle).
-                let cotangent = (u.dot(v) / u.cross(v).length()).clamp(0.05, 5.0);
-                let r = 0.5 * (radius[a as usize] + radius[b as usize]);
-                *rows[a as usize].entry(b).or_default() += 0.5 * cotangent * r * r;
-                *rows[b as usize].entry(a).or_default() += 0.5 * cotangent * r * r;
-            }
-        }
-        Self {
-            edges: rows.into_iter().collect(),
-            mass: skin.vertex_areas(),
+/// Entries of M + L: lumped areas and the cotangent form of ∫ r² ∇u·∇v, r the radius of the blend.
+fn diffusion(skin: &Surface, areas: &[f64], radius: &[f64]) -> SparseSymmetric {
+    let mut entries: Vec<(u32, u32, f64)> = areas
+        .iter()
+        .enumerate()
+        .map(|(v, &area)| (v as u32, v as u32, area))
+        .collect();
+    for t in &skin.triangles {
+        for k in 0..3 {
+            let [a, b, c] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]];
+            let [u, v] = [a, b].map(|i| skin.positions[i as usize] - skin.positions[c as usize]);
+            // Clamped, so that weights stay between 0 and 1 (maximum principle).
+            let cotangent = (u.dot(v) / u.cross(v).length()).clamp(0.05, 5.0);
+            let r = 0.5 * (radius[a as usize] + radius[b as usize]);
+            let stiffness = 0.5 * cotangent * r * r;
+            entries.push((a, a, stiffness));
+            entries.push((b, b, stiffness));
+            entries.push((a.max(b), a.min(b), -stiffness));
         }
     }
-
-    /// (M + L) x.
-    fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let row = |(i, edges): (usize, &[(u32, f64)])| {
-            self.mass[i] * x[i]
-                + edges
-                    .iter()
-                    .map(|&(j, c)| c * (x[i] - x[j as usize]))
-                    .sum::<f64>()
-        };
-        self.edges.iter().enumerate().map(row).collect()
-    }
-
-    /// Solves (M + L) x = M u by conjugate gradients: one implicit step of heat flow.
-    fn step(&self, u: &[f64]) -> Vec<f64> {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        let diagonal: Vec<f64> = self
-            .edges
-            .iter()
-            .zip(&self.mass)
-            .map(|(e, m)| m + e.iter().map(|e| e.1).sum::<f64>())
-            .collect();
-        let mut x = u.to_vec();
-        let mut r: Vec<f64> = self
-            .apply(&x)
-            .iter()
-            .zip(u.iter().zip(&self.mass))
-            .map(|(a, (u, m))| m * u - a)
-            .collect();
-        let precondition =
-            |r: &[f64]| -> Vec<f64> { r.iter().zip(&diagonal).map(|(r, d)| r / d).collect() };
-        let mut z = precondition(&r);
-        let mut p = z.clone();
-        let mut rz = dot(&r, &z);
-        let start = rz;
-        for _ in 0..400 {
-            if rz <= 1e-24 * start || rz == 0.0 {
-                break;
-            }
-            let q = self.apply(&p);
-            let alpha = rz / dot(&p, &q);
-            for i in 0..x.len() {
-                x[i] += alpha * p[i];
-                r[i] -= alpha * q[i];
-            }
-            z = precondition(&r);
-            let next = dot(&r, &z);
-            for i in 0..p.len() {
-                p[i] = z[i] + next / rz * p[i];
-            }
-            rz = next;
-        }
-        x
-    }
+    SparseSymmetric::from_entries(areas.len(), &entries)
 }
 
 fn smoothstep(t: f64) -> f64 {
@@ -119,7 +61,11 @@ fn smoothstep(t: f64) -> f64 {
 }
 
 /// At most four bones for each vertex, with Σ w = 1.
-pub(super) fn weights(shape: &HandShape, digits: &[Digit; 5], skin: &Surface) -> Rows<SkinWeight> {
+pub(super) fn weights(
+    shape: &HandShape,
+    digits: &[Digit; 5],
+    skin: &Surface,
+) -> Result<Rows<SkinWeight>> {
     let stations: Vec<[f64; 4]> = digits
         .iter()
         .map(|d| d.local_joints().map(|j| j.x))
@@ -129,12 +75,21 @@ pub(super) fn weights(shape: &HandShape, digits: &[Digit; 5], skin: &Surface) ->
         .iter()
         .map(|&p| segment(shape, &stations, p))
         .unzip();
-    let diffusion = Diffusion::new(skin, &radius);
-    let columns: Vec<Vec<f64>> = par_map(16, |j| {
-        let start: Vec<f64> = bone.iter().map(|&b| f64::from(u8::from(b == j))).collect();
-        diffusion.step(&diffusion.step(&start))
-    });
-    (0..skin.positions.len())
+    let areas = skin.vertex_areas();
+    let factor = SparseFactor::new(&diffusion(skin, &areas, &radius), "skin weights")?;
+    // One implicit step of heat flow: (M + L) w = M u.
+    let step = |columns: &[Vec<f64>]| {
+        factor.solve_each(
+            columns.len(),
+            |j, b| (0..b.len()).for_each(|v| b[v] = areas[v] * columns[j][v]),
+            |_, w| w.to_vec(),
+        )
+    };
+    let start: Vec<Vec<f64>> = (0..16)
+        .map(|j| bone.iter().map(|&b| f64::from(u8::from(b == j))).collect())
+        .collect();
+    let columns = step(&step(&start));
+    let rows = (0..skin.positions.len())
         .map(|v| {
             let mut row: Vec<(u32, f64)> = columns
                 .iter()
@@ -154,5 +109,6 @@ pub(super) fn weights(shape: &HandShape, digits: &[Digit; 5], skin: &Surface) ->
                 })
                 .collect::<Vec<_>>()
         })
-        .collect()
+        .collect();
+    Ok(rows)
 }
