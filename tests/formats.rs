@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use supple::Error;
 use supple::export::{write_obj, write_smpl};
-use supple::glam::DVec3;
+use supple::glam::{DMat3, DVec3};
 use supple::load::{read_closed_obj, read_obj, read_smpl};
 use supple::math::Rows;
 use supple::model::{ParametricModel, SkinWeight, Surface};
@@ -213,7 +213,7 @@ fn a_real_body_is_read() {
     assert_eq!(body.parents.len(), 53);
     assert_eq!(body.shape_directions.len(), 10);
     assert!(body.skeleton(&[]).validate().is_ok());
-    let upright = body.evaluate(&[], &[supple::glam::DMat3::IDENTITY; 53], DVec3::ZERO);
+    let upright = body.evaluate(&[], &[DMat3::IDENTITY; 53], DVec3::ZERO);
     let worst = upright
         .iter()
         .zip(&body.template)

@@ -4,6 +4,7 @@
 //! panels, captions and a [`Legend`] on one sheet.
 
 mod colour;
+mod glb;
 mod image;
 mod obj;
 mod raster;
@@ -12,6 +13,7 @@ mod strip;
 mod text;
 
 pub use colour::{Colour, colour_map, from_srgb};
+pub use glb::{GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, write_glb};
 pub use image::Image;
 pub use obj::write_obj;
 pub use raster::{Camera, Mesh, Plane, Projection, View, render};

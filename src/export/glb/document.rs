@@ -1,0 +1,351 @@
+//! The glTF document: nodes, skin, mesh, animation.
+
+use super::buffer::{Buffer, container};
+use super::morph::Morphs;
+use super::{Prop, Recording};
+use crate::model::{Avatar, Frame, Surface};
+use crate::{Error, Result};
+use glam::{DQuat, DVec3};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Displacements shorter than this are left out of a sparse target, m.
+const SPARSE_THRESHOLD: f32 = 1e-7;
+
+/// What was written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GlbReport {
+    /// Size of the file.
+    pub bytes: usize,
+    /// Number of morph targets.
+    pub morphs: usize,
+    /// Whether the morphs are the handles' own axes (and play anything), or a basis of this motion.
+    pub per_handle: bool,
+    /// Largest unposed displacement that the morphs miss at any vertex and recorded state, m.
+    pub largest_morph_error: f64,
+    /// Most bones of a vertex; viewers that read four drop the rest.
+    pub influences: usize,
+}
+
+/// Writes `recording` as a GLB file with a skin, morph targets and one animation.
+pub fn write_glb(
+    avatar: &Avatar,
+    recording: &Recording,
+    path: impl AsRef<Path>,
+) -> Result<GlbReport> {
+    recording.validate(avatar)?;
+    let morphs = Morphs::new(avatar, recording)?;
+    let mut file = Document::default();
+    let times = as_floats(&recording.times);
+    file.times = file.buffer.floats("SCALAR", &times);
+    // glTF's y points up; the scene's z does.
+    let upright = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    let world = file.node(json!({
+        "name": "world", "rotation": quaternion(upright).to_vec(), "children": [],
+    }));
+    let bones = file.skeleton(avatar, recording, world);
+    file.body(avatar, &morphs, &bones);
+    for prop in &recording.props {
+        file.prop(prop, world);
+    }
+    let bytes = file.finish(&avatar.name);
+    let path = path.as_ref();
+    std::fs::write(path, &bytes).map_err(|e| Error::io(path, e))?;
+    Ok(GlbReport {
+        bytes: bytes.len(),
+        morphs: morphs.targets.len(),
+        per_handle: morphs.per_handle,
+        largest_morph_error: morphs.largest_error,
+        influences: avatar.skin.skinning.longest(),
+    })
+}
+
+#[derive(Default)]
+struct Document {
+    buffer: Buffer,
+    nodes: Vec<Value>,
+    /// Nodes of the scene itself.
+    roots: Vec<usize>,
+    meshes: Vec<Value>,
+    skins: Vec<Value>,
+    materials: Vec<Value>,
+    samplers: Vec<Value>,
+    channels: Vec<Value>,
+    /// Accessor of the key times.
+    times: usize,
+}
+
+impl Document {
+    /// A node of the scene.
+    fn node(&mut self, node: Value) -> usize {
+        self.nodes.push(node);
+        self.roots.push(self.nodes.len() - 1);
+        self.nodes.len() - 1
+    }
+
+    /// A node under another one.
+    fn child(&mut self, parent: usize, node: Value) -> usize {
+        self.nodes.push(node);
+        let index = self.nodes.len() - 1;
+        match self.nodes[parent]["children"].as_array_mut() {
+            Some(children) => children.push(json!(index)),
+            None => self.nodes[parent]["children"] = json!([index]),
+        }
+        index
+    }
+
+    fn animate(&mut self, node: usize, path: &str, output: usize) {
+        self.samplers
+            .push(json!({"input": self.times, "output": output, "interpolation": "LINEAR"}));
+        self.channels.push(json!({
+            "sampler": self.samplers.len() - 1, "target": {"node": node, "path": path},
+        }));
+    }
+
+    /// Animates a rigid node by its frames.
+    fn animate_frames(&mut self, node: usize, frames: &[Frame]) {
+        let mut rotations: Vec<[f32; 4]> = Vec::with_capacity(frames.len());
+        for frame in frames {
+            let q = quaternion(DQuat::from_mat3(&frame.rotation).normalize());
+            // q and −q are one rotation: keep to the side of the key before, as players interpolate.
+            let away = rotations
+                .last()
+                .is_some_and(|last| last.iter().zip(q).map(|(a, b)| a * b).sum::<f32>() < 0.0);
+            rotations.push(if away { q.map(|c| -c) } else { q });
+        }
+        let positions: Vec<_> = frames.iter().map(|f| floats(f.position)).collect();
+        let rotations = self.buffer.floats("VEC4", &rotations);
+        self.animate(node, "rotation", rotations);
+        let positions = self.buffer.floats("VEC3", &positions);
+        self.animate(node, "translation", positions);
+    }
+
+    /// A node for each bone, animated relative to its parent.
+    fn skeleton(&mut self, avatar: &Avatar, recording: &Recording, world: usize) -> Vec<usize> {
+        let skeleton = &avatar.skeleton;
+        let mut bones: Vec<usize> = Vec::new();
+        for (j, name) in skeleton.names.iter().enumerate() {
+            let parent = skeleton.parents[j].map(|p| p as usize);
+            let rest = skeleton.joints[j] - parent.map_or(DVec3::ZERO, |p| skeleton.joints[p]);
+            let node = json!({"name": name, "translation": floats(rest).to_vec()});
+            let node = self.child(parent.map_or(world, |p| bones[p]), node);
+            bones.push(node);
+            let local = |frames: &[Frame]| match parent {
+                None => frames[j],
+                Some(p) => Frame {
+                    rotation: frames[p].rotation.transpose() * frames[j].rotation,
+                    position: frames[p].inverse_transform(frames[j].position),
+                },
+            };
+            let frames: Vec<_> = recording.states.iter().map(|s| local(&s.frames)).collect();
+            self.animate_frames(node, &frames);
+        }
+        bones
+    }
+
+    /// The skinned mesh.
+    fn body(&mut self, avatar: &Avatar, morphs: &Morphs, bones: &[usize]) {
+        let surface = Surface {
+            positions: avatar.skin.position.clone(),
+            triangles: avatar.triangles.clone(),
+        };
+        let mut primitive = self.primitive(&surface, [0.80, 0.52, 0.41], 0.6);
+        for set in 0..avatar.skin.skinning.longest().div_ceil(4) {
+            let (bones, weights) = influences(avatar, set);
+            primitive["attributes"][format!("JOINTS_{set}")] =
+                json!(self.buffer.bone_indices(&bones));
+            primitive["attributes"][format!("WEIGHTS_{set}")] =
+                json!(self.buffer.floats("VEC4", &weights));
+        }
+        let targets: Vec<Value> = morphs
+            .targets
+            .iter()
+            .map(|target| {
+                let position: Vec<_> = target.iter().map(|d| floats(*d)).collect();
+                let normal = normal_change(&surface, target);
+                json!({
+                    "POSITION": self.buffer.sparse_vectors(&position, SPARSE_THRESHOLD),
+                    "NORMAL": self.buffer.sparse_vectors(&normal, 1e-4),
+                })
+            })
+            .collect();
+        let mut mesh = json!({"name": avatar.name, "primitives": []});
+        let morphed = !targets.is_empty();
+        if morphed {
+            primitive["targets"] = json!(targets);
+            let rest = morphs.weights[0].iter().map(|w| *w as f32);
+            mesh["weights"] = json!(rest.collect::<Vec<_>>());
+            mesh["extras"] = json!({"targetNames": morphs.names});
+        }
+        mesh["primitives"] = json!([primitive]);
+        self.meshes.push(mesh);
+        let bind: Vec<[f32; 16]> = avatar
+            .skeleton
+            .joints
+            .iter()
+            .map(|j| {
+                glam::DMat4::from_translation(-*j)
+                    .to_cols_array()
+                    .map(|v| v as f32)
+            })
+            .collect();
+        let matrices = self.buffer.floats("MAT4", &bind);
+        self.skins
+            .push(json!({"inverseBindMatrices": matrices, "joints": bones}));
+        // The node of a skinned mesh stands in the scene itself: its own placement is ignored.
+        let node = self.node(json!({
+            "name": avatar.name, "mesh": self.meshes.len() - 1, "skin": self.skins.len() - 1,
+        }));
+        if morphed {
+            let weights = as_floats(&morphs.weights.concat());
+            let weights = self.buffer.floats("SCALAR", &weights);
+            self.animate(node, "weights", weights);
+        }
+    }
+
+    /// A rigid mesh; it is animated only if it moves.
+    fn prop(&mut self, prop: &Prop, world: usize) {
+        let primitive = self.primitive(&prop.surface, prop.colour, 0.8);
+        self.meshes
+            .push(json!({"name": prop.name, "primitives": [primitive]}));
+        let mut node = json!({"name": prop.name, "mesh": self.meshes.len() - 1});
+        let first = prop.frames.first().copied().unwrap_or(Frame::IDENTITY);
+        let rotation = DQuat::from_mat3(&first.rotation).normalize();
+        node["rotation"] = json!(quaternion(rotation).to_vec());
+        node["translation"] = json!(floats(first.position).to_vec());
+        let node = self.child(world, node);
+        if prop.frames.iter().any(|f| *f != first) {
+            self.animate_frames(node, &prop.frames);
+        }
+    }
+
+    /// A triangle primitive with its own material.
+    fn primitive(&mut self, surface: &Surface, colour: [f32; 3], roughness: f32) -> Value {
+        let [r, g, b] = colour;
+        self.materials.push(json!({"pbrMetallicRoughness": {
+            "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness,
+        }}));
+        let positions: Vec<_> = surface.positions.iter().map(|p| floats(*p)).collect();
+        let normals: Vec<_> = surface.vertex_normals().into_iter().map(floats).collect();
+        json!({
+            "attributes": {
+                "POSITION": self.buffer.floats("VEC3", &positions),
+                "NORMAL": self.buffer.floats("VEC3", &normals),
+            },
+            "indices": self.buffer.triangles(&surface.triangles),
+            "material": self.materials.len() - 1,
+        })
+    }
+
+    fn finish(self, name: &str) -> Vec<u8> {
+        let mut document = json!({
+            "asset": {"version": "2.0", "generator": concat!("supple ", env!("CARGO_PKG_VERSION"))},
+            "scene": 0,
+            "scenes": [{"nodes": self.roots}],
+            "nodes": self.nodes,
+            "meshes": self.meshes,
+            "materials": self.materials,
+            "skins": self.skins,
+            "accessors": self.buffer.accessors,
+            "bufferViews": self.buffer.views,
+            "buffers": [{"byteLength": self.buffer.bytes.len()}],
+        });
+        document["animations"] =
+            json!([{"name": name, "samplers": self.samplers, "channels": self.channels}]);
+        container(&document, &self.buffer.bytes)
+    }
+}
+
+/// The `set`th four bones and weights of each skin vertex; absent ones have weight 0.
+fn influences(avatar: &Avatar, set: usize) -> (Vec<[u16; 4]>, Vec<[f32; 4]>) {
+    let row = |row: &[crate::model::SkinWeight]| {
+        let mut sorted = row.to_vec();
+        sorted.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let (mut bones, mut weights) = ([0; 4], [0.0; 4]);
+        for (k, w) in sorted.iter().skip(4 * set).take(4).enumerate() {
+            (bones[k], weights[k]) = (w.bone as u16, w.weight as f32);
+        }
+        (bones, weights)
+    };
+    avatar.skin.skinning.iter().map(row).unzip()
+}
+
+/// First-order change of the vertex normals: δn = (I − n nᵀ) δa / |a|, a the sum of the area vectors of
+/// the triangles around the vertex.
+fn normal_change(surface: &Surface, displacement: &[DVec3]) -> Vec<[f32; 3]> {
+    let count = surface.positions.len();
+    let (mut area, mut change) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
+    for (t, triangle) in surface.triangles.iter().enumerate() {
+        let [x, y, z] = surface.corners(t);
+        let [dx, dy, dz] = triangle.map(|v| displacement[v as usize]);
+        let (a, d) = (
+            (y - x).cross(z - x),
+            (dy - dx).cross(z - x) + (y - x).cross(dz - dx),
+        );
+        for &v in triangle {
+            area[v as usize] += a;
+            change[v as usize] += d;
+        }
+    }
+    area.iter()
+        .zip(&change)
+        .map(|(a, d)| {
+            let n = a.normalize_or_zero();
+            let length = a.length().max(f64::MIN_POSITIVE);
+            floats((*d - n * n.dot(*d)) / length)
+        })
+        .collect()
+}
+
+fn as_floats(values: &[f64]) -> Vec<[f32; 1]> {
+    values.iter().map(|v| [*v as f32]).collect()
+}
+
+fn floats(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+fn quaternion(q: DQuat) -> [f32; 4] {
+    q.as_quat().normalize().to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_change_to_first_order() {
+        let surface = crate::export::Mesh::collider(
+            &crate::collider::Shape::Sphere { radius: 0.1 },
+            &Frame::IDENTITY,
+            1.0,
+            [1.0; 3],
+        )
+        .surface;
+        let bend = |p: &DVec3| DVec3::new(p.y * p.z, 0.3 * p.x, -p.x * p.y);
+        let field: Vec<_> = surface.positions.iter().map(bend).collect();
+        let moved = |scale: f64| Surface {
+            positions: surface
+                .positions
+                .iter()
+                .zip(&field)
+                .map(|(p, d)| *p + scale * *d)
+                .collect(),
+            triangles: surface.triangles.clone(),
+        };
+        let step = 1e-5;
+        let (plus, minus) = (moved(step).vertex_normals(), moved(-step).vertex_normals());
+        let change = normal_change(&surface, &field);
+        let mut largest: f64 = 0.0;
+        for v in 0..field.len() {
+            let expected = (plus[v] - minus[v]) / (2.0 * step);
+            largest = largest.max(expected.length());
+            let found = DVec3::from_array(change[v].map(f64::from));
+            assert!(
+                (found - expected).length() < 1e-5,
+                "vertex {v}: {found} {expected}"
+            );
+        }
+        assert!(largest > 0.1, "the field turns normals");
+    }
+}
