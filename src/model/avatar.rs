@@ -127,6 +127,17 @@ impl Avatar {
             "holds a value that is not finite",
         )?;
         check(
+            self.bone_masses.iter().all(|b| {
+                let s = &b.second_moment;
+                let pairs = (0..4).flat_map(|i| (0..i).map(move |j| (i, j)));
+                let rounding = |i: usize, j: usize| 1e-9 * (s[i][i] * s[j][j]).sqrt();
+                (0..4).all(|i| s[i][i] > 0.0) && { pairs }
+                    .all(|(i, j)| (s[i][j] - s[j][i]).abs() <= rounding(i, j))
+            }),
+            "bone_masses",
+            "must be symmetric with a positive diagonal",
+        )?;
+        check(
             self.handles.iter().all(|h| h.is_finite()),
             "handles",
             "holds a value that is not finite",
@@ -135,6 +146,11 @@ impl Avatar {
             self.cubature.measure.iter().all(|&w| w > 0.0),
             "cubature.measure",
             "weights must be positive",
+        )?;
+        check(
+            self.skin.measure.iter().all(|&area| area >= 0.0),
+            "skin.measure",
+            "areas must not be negative",
         )?;
         check(
             self.density > 0.0 && self.density.is_finite(),
@@ -163,6 +179,11 @@ impl Avatar {
             layer.mesh.nodes.iter().all(|n| n.is_finite()),
             "layer.mesh",
             "holds a value that is not finite",
+        )?;
+        check(
+            (0..tets).all(|t| layer.mesh.volume(t) > 0.0),
+            "layer.mesh",
+            "holds a tet that is inverted or flat",
         )?;
         check(
             layer.tissue_fraction.len() == tets
@@ -198,6 +219,20 @@ impl Avatar {
                     .all(|e| below(e.0, nodes) && e.1.is_finite()),
             "layer",
             "an entry names what is not there, or is not finite",
+        )?;
+        check(
+            layer
+                .basis
+                .iter()
+                .all(|row| row.is_sorted_by(|a, b| a.0 < b.0)),
+            "layer.basis",
+            "handles of a node must rise",
+        )?;
+        check(
+            (layer.skinning.iter())
+                .all(|row| (row.iter().map(|w| w.weight).sum::<f64>() - 1.0).abs() < 1e-5),
+            "layer.skinning",
+            "weights of a node do not sum to 1",
         )
     }
 }

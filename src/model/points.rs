@@ -137,6 +137,13 @@ impl PointSet {
                 "names a handle that is not there",
             ));
         }
+        let rising = |row: &[BasisEntry]| row.is_sorted_by(|a, b| a.handle < b.handle);
+        if !self.basis.iter().all(rising) {
+            return Err(Error::invalid(
+                format!("{field}.basis"),
+                "handles of a point must rise",
+            ));
+        }
         Ok(())
     }
 }

@@ -4,6 +4,7 @@ use super::Frame;
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 
 /// A tree of bones. Parents come before their children; the root has none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,6 +93,10 @@ impl Skeleton {
                 "skeleton.parents",
                 "a bone stands before its parent",
             ));
+        }
+        let distinct: HashSet<&String> = self.names.iter().collect();
+        if distinct.len() != count {
+            return Err(Error::invalid("skeleton.names", "two bones share a name"));
         }
         if self.joints.iter().any(|j| !j.is_finite()) {
             return Err(Error::invalid(
