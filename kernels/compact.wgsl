@@ -99,7 +99,11 @@ fn contact_rows_of(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-var<workgroup> active_count: u32;
+// 1 + the place of a block in the vertex's own order, 0 where it does not move it
+fn place_of(block: u32, vertex: u32) -> u32 {
+    let words = (constants.blocks + 3u) / 4u;
+    return (vertex_blocks[vertex * words + block / 4u] >> (8u * (block % 4u))) & 255u;
+}
 
 // For block b of q: how many contacts move it, then each as contact · 256 + its place in the
 // vertex's own order. One workgroup a block.
@@ -108,28 +112,25 @@ fn block_contacts_of(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    if (lane == 0u) {
-        active_count = min(contacts[contact_header(group.y)].vertex, constants.contacts);
-    }
-    let active_contacts = workgroupUniformLoad(&active_count);
+    let active_contacts = min(contacts[contact_header(group.y)].vertex, constants.contacts);
     let block = group.x;
     let list = (group.y * constants.blocks + block) * (constants.contacts + 1u);
-    let words = (constants.blocks + 3u) / 4u;
-    var found = 0u;
-    for (var tile = 0u; tile < active_contacts; tile += 64u) {
-        var place = 0u;
-        if (tile + lane < active_contacts) {
-            let vertex = contacts[contact_header(group.y) + 1u + tile + lane].vertex;
-            place = (vertex_blocks[vertex * words + block / 4u] >> (8u * (block % 4u))) & 255u;
-        }
-        let at = exclusive_sum(lane, 64u, u32(place > 0u));
-        if (place > 0u) {
-            block_contacts[list + 1u + found + at] = (tile + lane) * 256u + place - 1u;
-        }
-        found += counts[63];
-        workgroupBarrier();
+    let run = (active_contacts + 63u) / 64u;
+    let begin = min(lane * run, active_contacts);
+    let end = min(begin + run, active_contacts);
+    var count = 0u;
+    for (var k = begin; k < end; k++) {
+        count += u32(place_of(block, contacts[contact_header(group.y) + 1u + k].vertex) > 0u);
     }
-    if (lane == 0u) {
-        block_contacts[list] = found;
+    var at = exclusive_sum(lane, 64u, count);
+    if (lane == 63u) {
+        block_contacts[list] = at + count;
+    }
+    for (var k = begin; k < end; k++) {
+        let place = place_of(block, contacts[contact_header(group.y) + 1u + k].vertex);
+        if (place > 0u) {
+            at++;
+            block_contacts[list + at] = k * 256u + place - 1u;
+        }
     }
 }

@@ -1,5 +1,5 @@
 // The packed lower blocks of the solver's Hessian: Σ of the points' blocks in fixed order, and
-// Σ k a (J_aᵀ n)(J_bᵀ n)ᵀ over the contacts that move both blocks. One thread a number.
+// Σ k a (J_aᵀ n)(J_bᵀ n)ᵀ over the contacts that move both blocks. One thread a block.
 
 struct PatternBlock {
     row: u32,
@@ -12,7 +12,7 @@ struct PatternBlock {
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(2) var<storage, read> pattern: array<PatternBlock>;
 @group(0) @binding(3) var<storage, read> gather_pairs: array<u32>;  // 2 · pair + transposed
-@group(0) @binding(4) var<storage, read> point_hessians: array<f32>;
+@group(0) @binding(4) var<storage, read> point_hessians: array<mat3x3<f32>>;
 @group(0) @binding(5) var<storage, read> vertex_blocks: array<u32>;
 @group(0) @binding(6) var<storage, read> contacts: array<Contact>;
 @group(0) @binding(7) var<storage, read> contact_rows: array<vec3<f32>>;
@@ -21,21 +21,22 @@ struct PatternBlock {
 
 @compute @workgroup_size(64)
 fn hessian(@builtin(global_invocation_id) id: vec3<u32>) {
-    let at = id.x / 9u;
+    let at = id.x;
     if (at >= constants.pattern_blocks) {
         return;
     }
     let block = pattern[at];
-    let row = id.x % 3u;
-    let column = (id.x / 3u) % 3u;
-    let plain = 3u * column + row;
-    let transposed = 3u * row + column;
 
-    var sum = 0.0;
-    let first = 9u * id.y * constants.local_pairs;
+    var sum = mat3x3<f32>();
+    let first = id.y * constants.local_pairs;
     for (var k = block.first; k < block.end; k++) {
         let entry = gather_pairs[k];
-        sum += point_hessians[first + 9u * (entry / 2u) + select(plain, transposed, entry % 2u == 1u)];
+        let h = point_hessians[first + entry / 2u];
+        if (entry % 2u == 1u) {
+            sum += transpose(h);
+        } else {
+            sum += h;
+        }
     }
 
     // Walk the shorter of the two blocks' contact lists; both rise, so the order is the same.
@@ -47,19 +48,27 @@ fn hessian(@builtin(global_invocation_id) id: vec3<u32>) {
     let list = select(column_list, row_list, by_row);
     let other = select(block.row, block.column, by_row);
     let words = (constants.blocks + 3u) / 4u;
-    for (var k = 0u; k < block_contacts[list]; k++) {
-        let entry = block_contacts[list + 1u + k];
-        let contact = contacts[contact_header(id.y) + 1u + entry / 256u];
-        let word = vertex_blocks[contact.vertex * words + other / 4u];
+    let contacts_of_list = block_contacts[list];
+    for (var k = 1u; k <= contacts_of_list; k++) {
+        let entry = block_contacts[list + k];
+        let at_contact = contact_header(id.y) + 1u + entry / 256u;
+        let word = vertex_blocks[contacts[at_contact].vertex * words + other / 4u];
         let place = (word >> (8u * (other % 4u))) & 255u;
         if (place > 0u) {
             let rows = (id.y * constants.contacts + entry / 256u) * constants.contact_blocks;
             let here = contact_rows[rows + entry % 256u];
             let there = contact_rows[rows + place - 1u];
-            let value = select(there[row] * here[column], here[row] * there[column], by_row);
-            sum += contact.stiffness * value;
+            let row = select(there, here, by_row);
+            let column = contacts[at_contact].stiffness * select(here, there, by_row);
+            sum += mat3x3<f32>(row * column.x, row * column.y, row * column.z);
         }
     }
-    let out = 3u * constants.blocks + 9u * constants.pattern_blocks;
-    result[(chunk.first + id.y) * out + 3u * constants.blocks + id.x] = sum;
+
+    let numbers = 3u * constants.blocks + 9u * constants.pattern_blocks;
+    let out = (chunk.first + id.y) * numbers + 3u * constants.blocks + 9u * at;
+    for (var column = 0u; column < 3u; column++) {
+        result[out + 3u * column] = sum[column].x;
+        result[out + 3u * column + 1u] = sum[column].y;
+        result[out + 3u * column + 2u] = sum[column].z;
+    }
 }

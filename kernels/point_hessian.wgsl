@@ -1,7 +1,8 @@
 // The solver's Hessian of one cubature point, all pairs a ≥ b of its own blocks:
 //   H_ab = (m/h²) J_aᵀ J_b + w (∇U_aᵀ ⊗ I) C (∇U_b ⊗ I),  m = ρ w, the latter between handles only,
 //   J: c_j: w_j I     ω_j: −w_j [R_j (T − J_j)]×     φ_h: U_h B, B = Σ w_j R_j
-// One workgroup a point: first each block's J and Y = C (∇U ⊗ I), then each thread takes pairs.
+// One workgroup a point: first each block's J, then each thread takes a block b, its Y = C (∇U_b ⊗ I)
+// and half of the others as a.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -12,17 +13,15 @@
 @group(0) @binding(6) var<storage, read> frames: array<Frame>;
 @group(0) @binding(7) var<storage, read> motion: array<Motion>;
 @group(0) @binding(8) var<storage, read> tangent: array<Tangent>;
-@group(0) @binding(9) var<storage, read_write> point_hessians: array<f32>;
+@group(0) @binding(9) var<storage, read_write> point_hessians: array<mat3x3<f32>>;
 
 // The most blocks a point may have.
-const MAX_BLOCKS = 64u;
+const MAX_BLOCKS = 192u;
 
 var<workgroup> jacobian: array<mat3x3<f32>, MAX_BLOCKS>;
-var<workgroup> y0: array<mat3x3<f32>, MAX_BLOCKS>;
-var<workgroup> y1: array<mat3x3<f32>, MAX_BLOCKS>;
-var<workgroup> y2: array<mat3x3<f32>, MAX_BLOCKS>;
+var<workgroup> basis_gradient: array<vec3<f32>, MAX_BLOCKS>;  // ∇U, zero for bones
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(32)
 fn point_hessian(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
@@ -35,51 +34,56 @@ fn point_hessian(
     let rows = 2u * point.bones;
     let blocks = rows + point.handles;
 
-    if (lane < rows) {
-        let w = influences[point.first_influence + lane / 2u];
-        let f = first_frame + w.index;
-        let arm = frames[f].rotation * (motion[at].unposed - frames[f].joint);
-        if (lane % 2u == 0u) {
-            jacobian[lane] = w.weight * identity();
+    for (var b = lane; b < blocks; b += 32u) {
+        var j = mat3x3<f32>();
+        var g = vec3<f32>();
+        if (b < rows) {
+            let w = influences[point.first_influence + b / 2u];
+            let f = first_frame + w.index;
+            j = w.weight * identity();
+            if (b % 2u == 1u) {
+                j = -w.weight * skew(frames[f].rotation * (motion[at].unposed - frames[f].joint));
+            }
         } else {
-            jacobian[lane] = -w.weight * skew(arm);
+            for (var k = 0u; k < point.bones; k++) {
+                let w = influences[point.first_influence + k];
+                j += w.weight * frames[first_frame + w.index].rotation;
+            }
+            j = influences[point.first_influence + point.bones + b - rows].weight * j;
+            g = handle_gradients[point.first_gradient + b - rows].gradient;
         }
-    } else if (lane < blocks) {
-        let k = lane - rows;
-        var b = mat3x3<f32>();
-        for (var j = 0u; j < point.bones; j++) {
-            let w = influences[point.first_influence + j];
-            b += w.weight * frames[first_frame + w.index].rotation;
-        }
-        jacobian[lane] = influences[point.first_influence + point.bones + k].weight * b;
-        let g = handle_gradients[point.first_gradient + k].gradient;
-        let c = tangent[at];
-        // Column block of C against ∇U: Y_i = Σ_j C_ij ∇U_j
-        y0[lane] = g.x * c.c00 + g.y * transpose(c.c10) + g.z * transpose(c.c20);
-        y1[lane] = g.x * c.c10 + g.y * c.c11 + g.z * transpose(c.c21);
-        y2[lane] = g.x * c.c20 + g.y * c.c21 + g.z * c.c22;
+        jacobian[b] = j;
+        basis_gradient[b] = g;
     }
     workgroupBarrier();
 
     let inertia = constants.density * point.measure * state.mass_rate;
-    let pairs = blocks * (blocks + 1u) / 2u;
-    let first = 9u * (group.y * constants.local_pairs + point.first_pair);
-    for (var pair = lane; pair < pairs; pair += 64u) {
-        // Row a of a triangle stored row by row: the largest with a (a + 1)/2 ≤ pair.
-        var a = u32((sqrt(8.0 * f32(pair) + 1.0) - 1.0) * 0.5);
-        a -= u32(a * (a + 1u) / 2u > pair);
-        a += u32((a + 1u) * (a + 2u) / 2u <= pair);
-        let b = pair - a * (a + 1u) / 2u;
-        var h = inertia * (transpose(jacobian[a]) * jacobian[b]);
+    let first = group.y * constants.local_pairs + point.first_pair;
+    for (var b = lane; b < blocks; b += 32u) {
+        let j = inertia * jacobian[b];
+        // Y_i = w Σ_j C_ij ∇U_j
+        var y0 = mat3x3<f32>();
+        var y1 = mat3x3<f32>();
+        var y2 = mat3x3<f32>();
         if (b >= rows) {
-            let g = handle_gradients[point.first_gradient + a - rows].gradient;
-            h += point.measure * (g.x * y0[b] + g.y * y1[b] + g.z * y2[b]);
+            let g = point.measure * basis_gradient[b];
+            let c = tangent[at];
+            y0 = g.x * c.c00 + g.y * transpose(c.c10) + g.z * transpose(c.c20);
+            y1 = g.x * c.c10 + g.y * c.c11 + g.z * transpose(c.c21);
+            y2 = g.x * c.c20 + g.y * c.c21 + g.z * c.c22;
         }
-        let out = first + 9u * pair;
-        for (var column = 0u; column < 3u; column++) {
-            point_hessians[out + 3u * column] = h[column].x;
-            point_hessians[out + 3u * column + 1u] = h[column].y;
-            point_hessians[out + 3u * column + 2u] = h[column].z;
+        // Partners a = b, b + 1, … around a circle, half of it: every pair once, equal work a thread.
+        let half = blocks / 2u;
+        let partners = half + u32(blocks % 2u == 1u || b < half);
+        for (var k = 0u; k < partners; k++) {
+            let a = select(b + k, b + k - blocks, b + k >= blocks);
+            let g = basis_gradient[a];
+            let h = transpose(jacobian[a]) * j + g.x * y0 + g.y * y1 + g.z * y2;
+            if (a >= b) {
+                point_hessians[first + a * (a + 1u) / 2u + b] = h;
+            } else {
+                point_hessians[first + b * (b + 1u) / 2u + a] = transpose(h);
+            }
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Every buffer of a potential, made once, under the names that the kernels use.
 
 use super::shared::{
-    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence, Motion,
-    PartialEnergy, PatternBlock, Point, SkinVertex, Summary, Tangent,
+    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence, Mat3,
+    Motion, PartialEnergy, PatternBlock, Point, SkinVertex, Summary, Tangent,
 };
 use super::tables::{PointTable, Tables};
 use super::{GpuOptions, WORKGROUP};
@@ -62,12 +62,12 @@ pub(super) struct Buffers {
     pub colliders: Buffer<Collider>,
     // By slot.
     pub motion: Buffer<Motion>,
-    pub stress: Buffer<[[f32; 4]; 3]>,
+    pub stress: Buffer<Mat3>,
     pub tangent: Buffer<Tangent>,
     pub distances: Buffer<[f32; 4]>,
     // By lane.
     pub point_gradients: Buffer<[f32; 4]>,
-    pub point_hessians: Buffer<f32>,
+    pub point_hessians: Buffer<Mat3>,
     pub contacts: Buffer<Contact>,
     pub contact_rows: Buffer<[f32; 4]>,
     pub block_contacts: Buffer<u32>,
@@ -94,7 +94,7 @@ impl Buffers {
         let result_stride = space.dofs() + 9 * tables.pattern.len();
         // The largest scratch buffers of one state decide how many go at once.
         let scratch = [
-            36 * cubature.pairs,
+            48 * cubature.pairs,
             4 * space.blocks() * (options.contacts + 1),
             16 * options.contacts * skin.blocks.longest(),
         ];
@@ -110,7 +110,7 @@ impl Buffers {
         let Capacity { states, lanes, .. } = capacity;
         let slots = instances + states;
         check_dispatch(device, "cubature points", points)?;
-        let hessian_groups = (9 * tables.pattern.len()).div_ceil(WORKGROUP as usize);
+        let hessian_groups = tables.pattern.len().div_ceil(WORKGROUP as usize);
         check_dispatch(device, "workgroups of the Hessian", hessian_groups)?;
         check_dispatch(device, "states in a submission", states)?;
 
@@ -194,7 +194,7 @@ impl Buffers {
             tangent: zeroed!("tangent", 2 * instances * points),
             distances: zeroed!("distances", slots * vertices * options.colliders),
             point_gradients: zeroed!("point_gradients", lanes * cubature.blocks.entries().len()),
-            point_hessians: zeroed!("point_hessians", lanes * 9 * cubature.pairs),
+            point_hessians: zeroed!("point_hessians", lanes * cubature.pairs),
             contacts: zeroed!("contacts", states.max(lanes) * (options.contacts + 1)),
             contact_rows: zeroed!(
                 "contact_rows",

@@ -64,6 +64,29 @@ impl GpuPotential {
         self.features.extend(feature.iter().map(|&f| f as f32));
     }
 
+    /// Whether every state of the batch has the pose features that its instance was last drawn with.
+    fn is_drawn(&self) -> bool {
+        if self.features.is_empty() || self.batch.is_empty() {
+            return false;
+        }
+        let features = self.features.len() / self.batch.len();
+        (self.batch.iter())
+            .zip(self.features.chunks_exact(features))
+            .all(|(state, features)| self.drawn_features[state.instance as usize] == features)
+    }
+
+    /// Takes x̄ of the drawn skin over for the instances of the batch.
+    fn copy_drawn_rest(&self) {
+        let bytes = 16 * self.avatar.skin.len() as u64;
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        for state in &self.batch {
+            let at = u64::from(state.instance) * bytes;
+            let (from, to) = (&self.buffers.drawn_unposed, &self.buffers.skin.unposed);
+            encoder.copy_buffer_to_buffer(from.raw(), at, to.raw(), at, bytes);
+        }
+        self.queue.submit([encoder.finish()]);
+    }
+
     /// Sends the uploads; states go to consecutive slots from `slot` on.
     fn upload(&self, slot: usize) {
         let space = self.avatar.space();
@@ -152,9 +175,17 @@ impl Potential for GpuPotential {
             states: self.batch.len() as u32,
         };
         let damped = self.avatar.damping_time > 0.0;
+        // Usually a step starts from the pose that was just drawn: then x̄ of the skin is there already.
+        let drawn = self.is_drawn();
+        if drawn {
+            self.copy_drawn_rest();
+        }
         self.submit(
             |stages, pass| {
-                stages.pose_blend.dispatch(pass, batch);
+                stages.pose_blend.dispatch_cubature(pass, batch);
+                if !drawn {
+                    stages.pose_blend.dispatch_skin(pass, batch);
+                }
                 stages.displacement.dispatch(pass, batch);
                 if damped {
                     stages.elasticity.dispatch(pass, batch);
@@ -340,7 +371,10 @@ impl Potential for GpuPotential {
             let origin = state.frames[0].position;
             self.skin_origins[i] = origin;
             self.push(header, state, state, origin);
+            let first = self.features.len();
             self.push_features(state);
+            self.drawn_features[i].clear();
+            self.drawn_features[i].extend_from_slice(&self.features[first..]);
         }
         (self.buffers.features).write(&self.queue, 0, &self.features);
         self.upload(instances);

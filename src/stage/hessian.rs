@@ -19,7 +19,7 @@ impl Hessian {
         let module = sources.module("hessian", INCLUDES)?;
         Ok(Self {
             hessian: module.kernel(device, "hessian", &buffers.over_cubature())?,
-            groups: (9 * buffers.pattern.len() as u32).div_ceil(WORKGROUP),
+            groups: (buffers.pattern.len() as u32).div_ceil(WORKGROUP),
         })
     }
 

@@ -13,6 +13,7 @@ mod normals;
 mod point_hessian;
 mod pose_blend;
 mod potential;
+mod profile;
 pub mod shared;
 mod skin;
 mod sources;

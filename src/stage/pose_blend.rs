@@ -34,9 +34,13 @@ impl PoseBlend {
         })
     }
 
-    /// x̄ of everything that the step's energy depends on.
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    /// x̄ of the cubature points.
+    pub fn dispatch_cubature(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.cubature, pass, self.point_groups);
+    }
+
+    /// x̄ of the skin that touches.
+    pub fn dispatch_skin(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.skin, pass, self.vertex_groups);
     }
 

@@ -93,6 +93,8 @@ pub struct GpuPotential {
     pub(super) skin_readback: Readback,
     pub(super) starts: Vec<Option<Start>>,
     pub(super) skin_origins: Vec<DVec3>,
+    /// Pose features of each instance's drawn skin; empty before it is drawn.
+    pub(super) drawn_features: Vec<Vec<f32>>,
     // What the next submission uploads; kept so that a step allocates nothing.
     pub(super) batch: Vec<BatchState>,
     pub(super) frames: Vec<Frame>,
@@ -145,6 +147,7 @@ impl GpuPotential {
             skin_readback: readback("skin", skin_bytes),
             starts: vec![None; instances],
             skin_origins: vec![DVec3::ZERO; instances],
+            drawn_features: vec![Vec::new(); instances],
             batch: Vec::with_capacity(buffers.capacity.states),
             frames: Vec::with_capacity(buffers.frames.len()),
             handles: Vec::with_capacity(buffers.handles.len()),

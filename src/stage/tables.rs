@@ -8,7 +8,7 @@ use crate::{Error, GpuError, Result};
 use glam::DVec3;
 
 /// Blocks that may move one cubature point: `MAX_BLOCKS` of point_hessian.wgsl.
-const MAX_POINT_BLOCKS: usize = 64;
+const MAX_POINT_BLOCKS: usize = 192;
 /// Blocks that may move one skin vertex: places are bytes, 0 meaning none.
 const MAX_VERTEX_BLOCKS: usize = 255;
 
