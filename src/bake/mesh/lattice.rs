@@ -16,10 +16,12 @@ use super::samples::Samples;
 use crate::model::{LayerMesh, Surface};
 use crate::{Error, Result};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// How fine a lattice is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LatticeSize {
     /// Edge of a cubic cell, m; a cell has two nodes and twelve tets.
     Cell(f64),
