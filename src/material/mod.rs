@@ -101,3 +101,6 @@ impl Material {
         self.model().kernel()
     }
 }
+
+#[cfg(test)]
+mod tests;

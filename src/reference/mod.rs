@@ -8,6 +8,7 @@ mod asset;
 mod basis;
 pub mod compact;
 pub mod contact;
+mod dense_hessian;
 mod difference;
 pub mod displacement;
 mod drawn;
@@ -27,6 +28,7 @@ pub mod skin;
 mod step;
 
 pub use basis::{Basis, GeneralBasis};
+pub use dense_hessian::HessianForm;
 pub use incidence::Incidence;
 pub use min_det_f::min_det_f;
 pub use motion::Motion;

@@ -1,0 +1,391 @@
+//! The incremental potential of the f64 evaluation against differences of itself, on a random avatar far
+//! from rest, moving, with every collider shape in touch: each term alone, and all of them.
+
+use supple::collider::{Collider, Shape};
+use supple::glam::{DMat3, DVec3};
+use supple::material::{Material, StableNeoHookean};
+use supple::math::{Random, Rows};
+use supple::model::{Avatar, BasisEntry, Frame, State};
+use supple::potential::{Evaluation, Potential, StepStart, Trial};
+use supple::reference::{GeneralBasis, HessianForm, Reference};
+use supple::sample::{random_avatar, random_state};
+
+use std::sync::Arc;
+
+/// What a case is made of.
+struct Case {
+    name: &'static str,
+    avatar: Avatar,
+    time_step: f64,
+    tissue_gravity: DVec3,
+    colliders: Vec<Collider>,
+}
+
+fn soft(youngs_modulus: f64) -> Material {
+    Material::StableNeoHookean(StableNeoHookean {
+        youngs_modulus,
+        poissons_ratio: 0.4,
+    })
+}
+
+/// Every shape, turned and placed so that part of the skin is in it.
+fn colliders(random: &mut Random) -> Vec<Collider> {
+    let place = |shape| Collider {
+        shape,
+        frame: Frame {
+            rotation: random.rotation(1.0),
+            position: DVec3::new(1.0, 2.0, 3.0) + random.vector(0.04),
+        },
+        previous: Frame::IDENTITY,
+        stiffness: 1e6,
+        margin: 4e-3,
+    };
+    Shape::examples().into_iter().map(place).collect()
+}
+
+fn cases() -> Vec<Case> {
+    let random = &mut Random::new(11);
+    let avatar = |density: f64, material: Material, damping_time: f64| Avatar {
+        density,
+        material,
+        damping_time,
+        ..random_avatar(3, 3, 6, 12, 60)
+    };
+    let gravity = DVec3::new(1.0, -9.0, 2.0);
+    let case = |name, avatar, time_step, tissue_gravity, colliders| Case {
+        name,
+        avatar,
+        time_step,
+        tissue_gravity,
+        colliders,
+    };
+    // A term is alone where the others' factors are made negligible.
+    let none = 1e-15;
+    vec![
+        case(
+            "inertia",
+            avatar(1e3, soft(none), 0.0),
+            0.01,
+            DVec3::ZERO,
+            vec![],
+        ),
+        case(
+            "gravity",
+            avatar(1e3, soft(none), 0.0),
+            1e9,
+            gravity,
+            vec![],
+        ),
+        case(
+            "elastic",
+            avatar(none, soft(3e4), 0.0),
+            0.01,
+            DVec3::ZERO,
+            vec![],
+        ),
+        case(
+            "damping",
+            avatar(none, soft(none), 1e20),
+            0.01,
+            DVec3::ZERO,
+            vec![],
+        ),
+        case(
+            "contact",
+            avatar(none, soft(none), 0.0),
+            0.01,
+            DVec3::ZERO,
+            colliders(random),
+        ),
+        case(
+            "all",
+            avatar(1e3, soft(3e4), 0.02),
+            0.01,
+            gravity,
+            colliders(random),
+        ),
+    ]
+}
+
+impl Case {
+    /// qⁿ⁻¹, qⁿ, and a state away from both, somewhere far from the world's origin.
+    fn states(&self) -> [State; 3] {
+        let random = &mut Random::new(21);
+        let mut base = random_state(22, &self.avatar, 0.8, 0.004);
+        base.frames
+            .iter_mut()
+            .for_each(|f| f.position += DVec3::new(1.0, 2.0, 3.0));
+        let mut step = |size: f64| -> Vec<f64> {
+            (0..3 * base.space().blocks())
+                .map(|k| {
+                    let rotation = k / 3 < 6 && k / 3 % 2 == 1;
+                    random.uniform(-1.0, 1.0) * size * if rotation { 20.0 } else { 1.0 }
+                })
+                .collect()
+        };
+        let (first, second) = (step(1e-3), step(2e-3));
+        [
+            base.clone(),
+            base.moved(&first, 1.0),
+            base.moved(&second, 1.0),
+        ]
+    }
+
+    fn begun<B: supple::reference::Basis>(&self, mut potential: Reference<B>) -> Reference<B> {
+        let [previous, current, _] = &self.states();
+        let start = StepStart {
+            time_step: self.time_step,
+            previous,
+            current,
+            colliders: &self.colliders,
+            tissue_gravity: self.tissue_gravity,
+        };
+        let count = potential.instances();
+        block_on(potential.begin_step(&vec![start; count], &vec![true; count])).unwrap();
+        potential
+    }
+
+    fn reference(&self) -> Reference {
+        self.begun(Reference::new(Arc::new(self.avatar.clone()), 1, 1000).unwrap())
+    }
+}
+
+fn block_on<T>(future: impl Future<Output = T>) -> T {
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    let mut future = std::pin::pin!(future);
+    match future.as_mut().poll(&mut context) {
+        std::task::Poll::Ready(value) => value,
+        std::task::Poll::Pending => unreachable!("the CPU evaluation never waits"),
+    }
+}
+
+fn evaluate<B: supple::reference::Basis>(
+    potential: &mut Reference<B>,
+    state: &State,
+) -> Evaluation {
+    let mut out = [Evaluation::default()];
+    block_on(potential.evaluate(std::slice::from_ref(state), &[true], &mut out)).unwrap();
+    let [evaluation] = out;
+    evaluation
+}
+
+fn difference(potential: &mut Reference, base: &State, state: &State) -> f64 {
+    let trial = Trial {
+        instance: 0,
+        base,
+        state,
+    };
+    let mut out = [0.0];
+    block_on(potential.energy_differences(&[trial], &mut out)).unwrap();
+    out[0]
+}
+
+fn unit(dofs: usize, k: usize) -> Vec<f64> {
+    (0..dofs).map(|i| f64::from(u8::from(i == k))).collect()
+}
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a, x| f64::max(a, x.abs()))
+}
+
+/// Sizes of the steps of differences: rounding and the third derivative balance near 1e-5 of a length
+/// of some cm.
+const STEP: f64 = 1e-6;
+
+#[test]
+fn gradient_is_the_central_difference_of_the_energy() {
+    for case in cases() {
+        let mut potential = case.reference();
+        let [.., state] = case.states();
+        let gradient = evaluate(&mut potential, &state).gradient;
+        let scale = largest(gradient.iter().copied());
+        assert!(scale > 1e-6, "{}: the gradient is zero", case.name);
+        let dofs = gradient.len();
+        for k in 0..dofs {
+            let e = unit(dofs, k);
+            let (behind, ahead) = (state.moved(&e, -STEP), state.moved(&e, STEP));
+            let expected = difference(&mut potential, &behind, &ahead) / (2.0 * STEP);
+            let error = (gradient[k] - expected).abs();
+            assert!(
+                error < 2e-6 * scale,
+                "{} {k}: {} against {expected}",
+                case.name,
+                gradient[k]
+            );
+        }
+    }
+}
+
+#[test]
+fn exact_hessian_is_the_symmetrised_difference_of_the_gradient() {
+    for case in cases() {
+        let mut potential = case.reference();
+        let [.., state] = case.states();
+        let exact = potential
+            .dense_hessian(0, &state, HessianForm::Exact)
+            .unwrap();
+        let dofs = exact.len();
+        let columns: Vec<Vec<f64>> = (0..dofs)
+            .map(|k| {
+                let e = unit(dofs, k);
+                let ahead = evaluate(&mut potential, &state.moved(&e, STEP)).gradient;
+                let behind = evaluate(&mut potential, &state.moved(&e, -STEP)).gradient;
+                let pairs = ahead.iter().zip(&behind);
+                pairs.map(|(a, b)| (a - b) / (2.0 * STEP)).collect()
+            })
+            .collect();
+        let scale = largest(exact.iter().flatten().copied());
+        assert!(case.name == "gravity" || scale > 1e-3, "{}", case.name);
+        for i in 0..dofs {
+            for k in 0..=i {
+                let expected = 0.5 * (columns[k][i] + columns[i][k]);
+                let error = (exact[i][k] - expected).abs();
+                assert!(
+                    error < 3e-6 * scale,
+                    "{} ({i}, {k}): {} against {expected}",
+                    case.name,
+                    exact[i][k]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn solver_hessian_is_the_dense_projection_and_positive_semi_definite() {
+    for case in cases() {
+        let mut potential = case.reference();
+        let [.., state] = case.states();
+        let solver = potential
+            .dense_hessian(0, &state, HessianForm::Solver)
+            .unwrap();
+        let packed = evaluate(&mut potential, &state).hessian;
+        let scale = largest(solver.iter().flatten().copied());
+        let dofs = solver.len();
+        let mut covered = vec![vec![false; dofs]; dofs];
+        for ((row, column), block) in potential.pattern().blocks().zip(&packed) {
+            for i in 0..3 {
+                for k in 0..3 {
+                    let expected = solver[3 * row + i][3 * column + k];
+                    assert!(
+                        (block[3 * k + i] - expected).abs() < 1e-12 * scale,
+                        "{}",
+                        case.name
+                    );
+                    covered[3 * row + i][3 * column + k] = true;
+                    covered[3 * column + k][3 * row + i] = true;
+                }
+            }
+        }
+        for i in 0..dofs {
+            for k in 0..dofs {
+                assert!(covered[i][k] || solver[i][k] == 0.0, "outside the pattern");
+            }
+        }
+        let dense = faer::Mat::from_fn(dofs, dofs, |i, k| solver[i][k]);
+        let eigenvalues = dense.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+        assert!(
+            eigenvalues[0] > -1e-12 * scale,
+            "{}: {}",
+            case.name,
+            eigenvalues[0]
+        );
+    }
+}
+
+#[test]
+fn evaluated_energy_is_the_difference_from_the_start_of_the_step() {
+    for case in cases() {
+        let mut potential = case.reference();
+        let [_, current, state] = case.states();
+        let evaluation = evaluate(&mut potential, &state);
+        let total = evaluation.energies.total();
+        assert!(total != 0.0, "{}", case.name);
+        let expected = difference(&mut potential, &current, &state);
+        assert!(
+            (total - expected).abs() < 1e-10 * total.abs(),
+            "{}: {total}",
+            case.name
+        );
+        // Differences add up along any path.
+        let middle = current.moved(&current.step_to(&state), 0.3);
+        let sum = difference(&mut potential, &current, &middle)
+            + difference(&mut potential, &middle, &state);
+        assert!(
+            (total - sum).abs() < 1e-10 * total.abs(),
+            "{}: {sum}",
+            case.name
+        );
+        if case.name == "contact" || case.name == "all" {
+            assert!(evaluation.contacts > 20, "{} contacts", evaluation.contacts);
+        }
+    }
+}
+
+#[test]
+fn a_general_basis_gives_what_the_scalar_one_gives() {
+    let case = cases().pop().unwrap();
+    let general = |rows: &Rows<BasisEntry>| rows.map(|entry| GeneralBasis::from(entry));
+    let (cubature, skin) = (
+        general(&case.avatar.cubature.basis),
+        general(&case.avatar.skin.basis),
+    );
+    let avatar = Arc::new(case.avatar.clone());
+    let other = Reference::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap();
+    let mut other = case.begun(other);
+    let mut scalar = case.reference();
+    let [.., state] = case.states();
+    let (a, b) = (evaluate(&mut scalar, &state), evaluate(&mut other, &state));
+    let close = |x: &[f64], y: &[f64]| {
+        let scale = largest(x.iter().copied());
+        x.len() == y.len() && x.iter().zip(y).all(|(x, y)| (x - y).abs() < 1e-12 * scale)
+    };
+    assert!(close(&a.gradient, &b.gradient));
+    assert!(close(a.hessian.as_flattened(), b.hessian.as_flattened()));
+    assert!(close(&[a.energies.total()], &[b.energies.total()]));
+}
+
+#[test]
+fn a_basis_that_is_not_scalar_has_true_derivatives_too() {
+    let case = cases().pop().unwrap();
+    let random = &mut Random::new(31);
+    let mut mixed = |rows: &Rows<BasisEntry>| {
+        rows.map(|entry| GeneralBasis {
+            handle: entry.handle,
+            value: random.matrix(0.1),
+            gradient: [random.matrix(5.0), random.matrix(5.0), random.matrix(5.0)],
+        })
+    };
+    let (cubature, skin) = (
+        mixed(&case.avatar.cubature.basis),
+        mixed(&case.avatar.skin.basis),
+    );
+    let avatar = Arc::new(case.avatar.clone());
+    let mut potential =
+        case.begun(Reference::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap());
+    let [.., state] = case.states();
+    let evaluation = evaluate(&mut potential, &state);
+    let dofs = evaluation.gradient.len();
+    let scale = largest(evaluation.gradient.iter().copied());
+    for k in 0..dofs {
+        let e = unit(dofs, k);
+        let ahead = evaluate(&mut potential, &state.moved(&e, STEP)).energies;
+        let behind = evaluate(&mut potential, &state.moved(&e, -STEP)).energies;
+        let expected = (ahead.total() - behind.total()) / (2.0 * STEP);
+        assert!(
+            (evaluation.gradient[k] - expected).abs() < 1e-5 * scale,
+            "{k}"
+        );
+    }
+    let solver = potential
+        .dense_hessian(0, &state, HessianForm::Solver)
+        .unwrap();
+    let scale = largest(solver.iter().flatten().copied());
+    for ((row, column), block) in potential.pattern().blocks().zip(&evaluation.hessian) {
+        let dense = DMat3::from_cols_array(&std::array::from_fn(|m| {
+            solver[3 * row + m % 3][3 * column + m / 3]
+        }));
+        let error = (DMat3::from_cols_array(block) - dense).to_cols_array();
+        assert!(largest(error) < 1e-12 * scale);
+    }
+}
