@@ -10,6 +10,7 @@ use supple::potential::{Evaluation, Potential, StepStart, Trial};
 use supple::reference::{GeneralBasis, HessianForm, Reference};
 use supple::sample::{random_avatar, random_state};
 
+use pollster::block_on;
 use std::sync::Arc;
 
 /// What a case is made of.
@@ -147,15 +148,6 @@ impl Case {
 
     fn reference(&self) -> Reference {
         self.begun(Reference::new(Arc::new(self.avatar.clone()), 1, 1000).unwrap())
-    }
-}
-
-fn block_on<T>(future: impl Future<Output = T>) -> T {
-    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
-    let mut future = std::pin::pin!(future);
-    match future.as_mut().poll(&mut context) {
-        std::task::Poll::Ready(value) => value,
-        std::task::Poll::Pending => unreachable!("the CPU evaluation never waits"),
     }
 }
 

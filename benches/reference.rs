@@ -1,0 +1,107 @@
+//! The f64 evaluation of a hand-sized avatar: 16 bones, 87 handles (357 DoFs), 3,100 skin vertices, 135 pose
+//! columns, two colliders in touch.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::sync::Arc;
+use supple::collider::{Collider, Shape};
+use supple::glam::{DMat3, DVec3};
+use supple::model::{Frame, State};
+use supple::potential::{Evaluation, Potential, StepStart, Trial};
+use supple::reference::Reference;
+use supple::sample::{random_avatar, random_state};
+
+const BONES: usize = 16;
+const HANDLES: usize = 87;
+const VERTICES: usize = 3100;
+
+fn hand_sized(points: usize) -> Arc<supple::model::Avatar> {
+    let mut avatar = random_avatar(1, BONES, HANDLES, points, VERTICES);
+    // Random bones would pull neighbours far apart: put all joints in one place, so that the skin stays a torus.
+    avatar.skeleton.joints.fill(DVec3::ZERO);
+    Arc::new(avatar)
+}
+
+fn colliders() -> [Collider; 2] {
+    let collider = |shape, position, rotation| Collider {
+        shape,
+        frame: Frame { rotation, position },
+        previous: Frame { rotation, position },
+        stiffness: 1e8,
+        margin: 1e-3,
+    };
+    let cylinder = Shape::Cylinder {
+        radius: 0.008,
+        half_length: 0.2,
+    };
+    [
+        collider(
+            cylinder,
+            DVec3::new(0.0, 0.0, -0.025),
+            DMat3::from_rotation_y(1.57),
+        ),
+        collider(
+            Shape::HalfSpace,
+            DVec3::new(0.0, 0.0, -0.03),
+            DMat3::IDENTITY,
+        ),
+    ]
+}
+
+fn bench(criterion: &mut Criterion) {
+    for points in [700, 2000] {
+        let avatar = hand_sized(points);
+        let mut potential = Reference::new(avatar.clone(), 1, 4096).expect("a valid avatar");
+        let [previous, current, state] =
+            [1, 2, 3].map(|seed| random_state(seed, &avatar, 0.05, 0.001));
+        let colliders = colliders();
+        let start = StepStart {
+            time_step: 0.01,
+            previous: &previous,
+            current: &current,
+            colliders: &colliders,
+            tissue_gravity: DVec3::ZERO,
+        };
+        let states: [State; 1] = [state];
+        let mut out = [Evaluation::default()];
+        let mut group = criterion.benchmark_group(format!("reference/{points} points"));
+        group.bench_function("begin_step", |b| {
+            b.iter(|| pollster::block_on(potential.begin_step(black_box(&[start]), &[true])));
+        });
+        group.bench_function("evaluate", |b| {
+            b.iter(|| {
+                pollster::block_on(potential.evaluate(black_box(&states), &[true], &mut out))
+            });
+        });
+        group.bench_function("pose_skin", |b| {
+            b.iter(|| pollster::block_on(potential.pose_skin(black_box(&states))));
+        });
+        group.bench_function("whole step", |b| {
+            b.iter(|| {
+                pollster::block_on(async {
+                    potential.begin_step(black_box(&[start]), &[true]).await?;
+                    potential.evaluate(&states, &[true], &mut out).await?;
+                    potential.pose_skin(&states).await
+                })
+            });
+        });
+        let trial = Trial {
+            instance: 0,
+            base: &current,
+            state: &states[0],
+        };
+        let mut differences = [0.0];
+        group.bench_function("energy_difference", |b| {
+            b.iter(|| {
+                pollster::block_on(
+                    potential.energy_differences(black_box(&[trial]), &mut differences),
+                )
+            });
+        });
+        group.finish();
+        println!("{} contacts active", out[0].contacts);
+    }
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);
