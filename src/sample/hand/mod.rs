@@ -10,6 +10,7 @@
 
 mod anatomy;
 mod bones;
+mod dual_quaternion;
 mod field;
 mod palmar;
 mod polygonise;

@@ -1,7 +1,8 @@
 //! Ten directions in which hands differ, as smooth motions of skin and joints.
 //!
-//! Nine are affine maps of each bone, joined at the joints and blended by the skin weights; the last
-//! one swells the eminences of the palm. One unit is about one standard deviation.
+//! Eight are affine maps of each bone, joined at the joints and blended by the skin weights; two swell
+//! the skin: at the fingers' joints, and at the eminences of the palm. One unit is about one standard
+//! deviation.
 
 use super::anatomy::{Digit, parent};
 use super::field::Axes;
@@ -43,8 +44,6 @@ fn growth(k: usize, bone: usize) -> [f64; 3] {
             let thicker = [0.06, -0.02, -0.11][segment];
             [0.0, thicker, thicker]
         }
-        // Long palm, short fingers.
-        7 => [if root { 0.05 } else { -0.04 }, 0.0, 0.0],
         // Long ulnar side.
         8 if !root => [[-0.06, 0.0, 0.10, 0.05, -0.02][digit], 0.0, 0.0],
         _ => [0.0; 3],
@@ -95,6 +94,18 @@ fn motions(k: usize, digits: &[Digit; 5], joints: &[DVec3]) -> Vec<Motion> {
     all
 }
 
+/// Prominence of the fingers' joints, away from the digit's axis, mm: where two bones share a vertex.
+fn knuckle(digits: &[Digit; 5], x: DVec3, row: &[SkinWeight]) -> DVec3 {
+    let of_root: f64 = row.iter().filter(|w| w.bone == 0).map(|w| w.weight).sum();
+    let Some(bone) = row.iter().map(|w| w.bone as usize).max().filter(|&b| b > 0) else {
+        return DVec3::ZERO;
+    };
+    let axes = digits[(bone - 1) / 3].axes();
+    let squares: f64 = row.iter().map(|w| w.weight * w.weight).sum();
+    let outward = (x - axes.origin).reject_from(axes.axis).normalize_or_zero();
+    1.5 * (1.0 - squares) * (1.0 - of_root).powi(2) * outward
+}
+
 /// Swelling of the thenar and hypothenar eminences along the normal, mm.
 fn eminence(p: DVec3) -> f64 {
     let swell = |centre: DVec3, radii: DVec3, height: f64| {
@@ -107,7 +118,7 @@ fn eminence(p: DVec3) -> f64 {
     ) + swell(
         DVec3::new(38.0, -26.0, -20.0),
         DVec3::new(26.0, 15.0, 14.0),
-        1.8,
+        2.6,
     )
 }
 
@@ -119,7 +130,7 @@ pub(super) fn shape_directions(
     weights: &Rows<SkinWeight>,
 ) -> (Vec<Vec<DVec3>>, Vec<Vec<DVec3>>) {
     let normals = skin.vertex_normals();
-    (0..COUNT)
+    let (mut vertices, mut moved): (Vec<Vec<DVec3>>, Vec<Vec<DVec3>>) = (0..COUNT)
         .map(|k| {
             let motions = motions(k, digits, joints);
             let vertices = skin
@@ -132,16 +143,41 @@ pub(super) fn shape_directions(
                         .iter()
                         .map(|w| w.weight * motions[w.bone as usize].at(x))
                         .sum();
-                    blended
-                        + if k == COUNT - 1 {
-                            eminence(x) * n
-                        } else {
-                            DVec3::ZERO
-                        }
+                    let swelling = match k {
+                        7 => knuckle(digits, x, row),
+                        9 => eminence(x) * n,
+                        _ => DVec3::ZERO,
+                    };
+                    blended + swelling
                 })
                 .collect();
             let moved = (0..16).map(|j| motions[j].at(joints[j])).collect();
             (vertices, moved)
         })
-        .unzip()
+        .unzip();
+    orthogonalise(&skin.vertex_areas(), &mut vertices, &mut moved);
+    (vertices, moved)
+}
+
+/// Gram–Schmidt in the area-weighted product: orthogonal, as principal components are. Later
+/// directions say what earlier ones do not; joints follow, since all is linear.
+fn orthogonalise(areas: &[f64], vertices: &mut [Vec<DVec3>], joints: &mut [Vec<DVec3>]) {
+    let product = |a: &[DVec3], b: &[DVec3]| -> f64 {
+        let terms = a.iter().zip(b).zip(areas);
+        terms.map(|((u, v), area)| area * u.dot(*v)).sum()
+    };
+    let subtract = |from: &mut [DVec3], what: &[DVec3], scale: f64| {
+        from.iter_mut()
+            .zip(what)
+            .for_each(|(f, w)| *f -= scale * *w);
+    };
+    for k in 1..vertices.len() {
+        for l in 0..k {
+            let (before, rest) = vertices.split_at_mut(k);
+            let scale = product(&rest[0], &before[l]) / product(&before[l], &before[l]);
+            subtract(&mut rest[0], &before[l], scale);
+            let (before, rest) = joints.split_at_mut(k);
+            subtract(&mut rest[0], &before[l], scale);
+        }
+    }
 }

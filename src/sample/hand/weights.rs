@@ -12,7 +12,7 @@ use glam::DVec3;
 /// Bones a vertex may have.
 const MOST: usize = 4;
 /// Weights below the first are dropped, above the second kept; smooth in between.
-const CUTOFF: [f64; 2] = [0.02, 0.08];
+const CUTOFF: [f64; 2] = [0.03, 0.10];
 
 /// Where a point lies: digit (if any), bone, and the radius of the blend there (mm).
 fn segment(shape: &HandShape, stations: &[[f64; 4]], p: DVec3) -> (usize, f64) {
