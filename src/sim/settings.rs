@@ -10,7 +10,11 @@ pub const LARGEST_JOINT_STIFFNESS: f64 = 1e6;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SolverMode {
-    /// One Newton iteration from the inertial prediction, no line search: the paper's mode.
+    /// One Newton iteration from the inertial prediction (from qⁿ where that has less energy), no
+    /// line search: the paper's mode. Faithful where contact changes slowly. One iteration does not
+    /// see the contacts that it makes: on the bone press it is 0.03 mm off the converged run while
+    /// pressing and up to 6 mm while the sphere slides at 0.1 m/s, where
+    /// [`SolverMode::TWO_ITERATIONS`] is 0.3 mm off.
     OneIteration,
     /// Newton with a line search until a step is shorter than `tolerance`.
     Converged {
@@ -29,6 +33,12 @@ impl SolverMode {
     pub const CONVERGED: Self = Self::Converged {
         tolerance: 1e-8,
         max_iterations: 100,
+    };
+
+    /// At most two iterations with a line search: for fast contact in real time.
+    pub const TWO_ITERATIONS: Self = Self::Converged {
+        tolerance: 1e-6,
+        max_iterations: 2,
     };
 }
 
