@@ -7,6 +7,7 @@ mod random;
 mod rotation;
 mod rows;
 mod sparse;
+mod stopwatch;
 mod tensor;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
@@ -15,4 +16,5 @@ pub use random::Random;
 pub use rotation::{rotation_exp, rotation_log, skew};
 pub use rows::Rows;
 pub use sparse::{DenseFactor, SparseFactor, SparseSymmetric};
+pub use stopwatch::Stopwatch;
 pub use tensor::{Mat9, Vec9, cofactor, contract, double_dot, flatten, unflatten};

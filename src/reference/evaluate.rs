@@ -9,9 +9,9 @@ use super::hessian::{ContactRows, gather_contacts, gather_points};
 use super::point_hessian::{PointTerms, PointView};
 use super::step::{POINT_GRAIN, Step};
 use super::{Basis, Motion, compact::compact, elasticity, energy};
-use crate::math::{RowsMut, Strided, par_split};
+use crate::math::{RowsMut, Stopwatch, Strided, par_split};
 use crate::model::State;
-use crate::potential::{Energies, Evaluation, StepStart};
+use crate::potential::{Energies, Evaluation, EvaluationTimings, StepStart};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 
@@ -28,6 +28,9 @@ pub(super) struct Instance {
     pub candidates: Vec<Candidate>,
     pub base_candidates: Vec<Candidate>,
     pub energies: Vec<Energies>,
+    /// Time of the current step's evaluations: `force` is what is done point by point, with the tangents,
+    /// `hessian` the gather into block rows, with the gradient.
+    pub timings: EvaluationTimings,
     terms: Vec<PointTerms>,
     arms: Vec<DVec3>,
     stiffness: Vec<[DMat3; 3]>,
@@ -48,6 +51,7 @@ impl Instance {
             candidates: Vec::new(),
             base_candidates: Vec::new(),
             energies: vec![Energies::default(); points],
+            timings: EvaluationTimings::default(),
             terms: vec![PointTerms::default(); points],
             arms: vec![DVec3::ZERO; asset.cubature.skinning.entries().len()],
             stiffness: vec![[DMat3::ZERO; 3]; asset.cubature.basis.entries().len()],
@@ -59,13 +63,19 @@ impl Instance {
     }
 
     pub fn begin_step<B: Basis>(&mut self, asset: &Asset<B>, start: &StepStart<'_>) {
+        let watch = Stopwatch::start();
         let (motion, feature) = (&mut self.motion, &mut self.feature);
         self.step
             .begin(asset, start, motion, feature, &mut self.candidates);
+        self.timings = EvaluationTimings {
+            force: watch.ms(),
+            ..EvaluationTimings::default()
+        };
     }
 
     /// E(q) − E(qⁿ), its gradient and the solver's Hessian. [`Instance::check`] tells whether it is whole.
     pub fn evaluate<B: Basis>(&mut self, asset: &Asset<B>, state: &State, out: &mut Evaluation) {
+        let watch = Stopwatch::start();
         let step = &self.step;
         self.motion.set(&step.current, state, step.origin);
         step.contact(asset, &self.motion, &mut self.candidates);
@@ -75,9 +85,12 @@ impl Instance {
         out.contacts = compact(candidates, areas, colliders, capacity, &mut self.contacts);
         self.evaluate_points(asset);
         self.evaluate_levers(asset);
+        self.timings.force += watch.ms();
+        let watch = Stopwatch::start();
         out.hessian.clear();
         out.hessian.resize(asset.pattern.len(), [0.0; 9]);
         self.gather(asset, &mut out.hessian);
+        self.timings.hessian += watch.ms();
 
         out.energies = energy::sum(&self.energies);
         out.energies.contact =

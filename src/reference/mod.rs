@@ -34,9 +34,9 @@ pub use min_det_f::min_det_f;
 pub use motion::Motion;
 pub use points::Points;
 
-use crate::math::{Rows, in_pool, par_each, par_split};
+use crate::math::{Rows, Stopwatch, in_pool, par_each, par_split};
 use crate::model::{Avatar, BasisEntry, Space, State};
-use crate::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
+use crate::potential::{BlockPattern, Evaluation, EvaluationTimings, Potential, StepStart, Trial};
 use crate::{Error, Result};
 use asset::Asset;
 use drawn::Drawn;
@@ -154,6 +154,15 @@ impl<B: Basis> Potential for Reference<B> {
         self.instances.len()
     }
 
+    fn timings(&self) -> EvaluationTimings {
+        let mut sum = EvaluationTimings::default();
+        for instance in &self.instances {
+            sum.force += instance.timings.force;
+            sum.hessian += instance.timings.hessian;
+        }
+        sum
+    }
+
     async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
         self.check_count("starts", starts.len())?;
         self.check_count("active", active.len())?;
@@ -163,6 +172,7 @@ impl<B: Basis> Potential for Reference<B> {
         let asset = &self.asset;
         in_pool(|| {
             par_each(&mut self.instances, 1, |i, instance| {
+                instance.timings = EvaluationTimings::default();
                 if active[i] {
                     instance.begin_step(asset, &starts[i]);
                 }
@@ -211,8 +221,10 @@ impl<B: Basis> Potential for Reference<B> {
         let (asset, instances) = (&self.asset, &mut self.instances);
         in_pool(|| {
             for (trial, out) in trials.iter().zip(&mut *out) {
+                let watch = Stopwatch::start();
                 let instance = &mut instances[trial.instance];
                 *out = instance.difference(asset, trial.base, trial.state).total();
+                instance.timings.force += watch.ms();
             }
         });
         if out.iter().any(|e| !e.is_finite()) {

@@ -2,8 +2,8 @@
 
 use super::newton::Newton;
 use super::report::{Stop, Timings};
-use super::stopwatch::Stopwatch;
 use crate::Result;
+use crate::math::Stopwatch;
 use crate::model::State;
 use crate::potential::{Potential, Trial};
 

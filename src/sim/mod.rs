@@ -10,7 +10,6 @@ mod report;
 mod settings;
 mod simulation;
 mod sparse_cholesky;
-mod stopwatch;
 
 pub use dense_cholesky::DenseCholesky;
 pub use energy::EnergyBalance;

@@ -3,7 +3,7 @@
 use super::linear_solver::{LinearSolver, multiply_add};
 use super::report::{InstanceReport, Stop, Timings};
 use super::settings::SolverMode;
-use super::stopwatch::Stopwatch;
+use crate::math::Stopwatch;
 use crate::model::State;
 use crate::potential::{Evaluation, Potential};
 use crate::skeleton::{SkeletonEnergies, SkeletonPotential};

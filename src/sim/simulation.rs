@@ -6,7 +6,7 @@ use super::linear_solver::LinearSolver;
 use super::newton::{Lane, Newton};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
-use super::stopwatch::Stopwatch;
+use crate::math::Stopwatch;
 use crate::model::Avatar;
 use crate::potential::{Potential, StepStart};
 use crate::skeleton::{SkeletonModel, SkeletonPotential, SkeletonStart, joint_gap};

@@ -2,7 +2,7 @@
 
 /// Time since it was started. On wasm, whose standard library has no clock, always 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stopwatch(#[cfg(not(target_arch = "wasm32"))] std::time::Instant);
+pub struct Stopwatch(#[cfg(not(target_arch = "wasm32"))] std::time::Instant);
 
 impl Stopwatch {
     /// Starts now.
