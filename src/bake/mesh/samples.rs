@@ -15,6 +15,9 @@ const OFFSET: DVec3 = DVec3::new(1.0 / 6.0, 0.5, 0.7);
 /// x, y and z stays inside.
 const SOLID: u8 = 1;
 
+/// A sample inside with all three ways inside.
+const ALL_FLAGS: u8 = 15;
+
 /// No bone holds the sample.
 const NO_BONE: u16 = u16::MAX;
 
@@ -107,19 +110,41 @@ impl Samples {
         self.grid.origin + self.grid.spacing * DVec3::new(i as f64, j as f64, k as f64)
     }
 
-    /// The solid samples within `reach` steps of `place` along each axis, the nearest first.
-    pub fn around(&self, place: DVec3, reach: usize) -> Vec<usize> {
+    /// The solid samples within two steps of `place` along each axis, the nearest first.
+    pub fn around(&self, place: DVec3) -> Vec<usize> {
+        let steps = 1.999 * self.grid.spacing;
+        self.in_box(place - steps, place + steps, place, |_| true)
+    }
+
+    /// The solid samples of `tet`, the nearest to `place` first.
+    pub fn in_tet(&self, tet: u32, place: DVec3) -> Vec<usize> {
+        let nodes = (self.lattice.tet_nodes(tet)).map(|n| self.lattice.node_position(n));
+        let low = nodes.into_iter().fold(DVec3::INFINITY, DVec3::min);
+        let high = nodes.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max);
+        self.in_box(low, high, place, |s| self.tet(s) == tet)
+    }
+
+    fn in_box(
+        &self,
+        low: DVec3,
+        high: DVec3,
+        place: DVec3,
+        keep: impl Fn(usize) -> bool,
+    ) -> Vec<usize> {
         let [nx, ny, _] = self.grid.counts;
-        let at = ((place - self.grid.origin) / self.grid.spacing).to_array();
-        let range = |a: usize| {
-            let low = at[a].floor() as usize;
-            (low + 1).saturating_sub(reach)..=(low + reach).min(self.grid.counts[a] - 1)
-        };
+        let first = ((low - self.grid.origin) / self.grid.spacing)
+            .ceil()
+            .to_array();
+        let last = ((high - self.grid.origin) / self.grid.spacing)
+            .floor()
+            .to_array();
+        // A number below 0 becomes 0, and below `first` makes the range empty.
+        let range = |a: usize| first[a] as usize..(last[a] as usize + 1).min(self.grid.counts[a]);
         let mut found: Vec<(f64, usize)> = Vec::new();
         for k in range(2) {
             for j in range(1) {
                 for s in range(0).map(|i| i + nx * (j + ny * k)) {
-                    if self.is_solid(s) {
+                    if self.is_solid(s) && keep(s) {
                         found.push(((self.position(s) - place).length_squared(), s));
                     }
                 }
@@ -174,46 +199,36 @@ impl Samples {
     /// leave the tet, not the solid, and by less than the block.
     pub fn join_within_tets(&self, sets: &mut DisjointSets) {
         let [nx, ny, nz] = self.grid.counts;
-        // The twelve edges of the block, as (corner, axis); the corner bits are x 1, y 2, z 4.
-        const EDGES: [(usize, usize); 12] = [
-            (0, 0),
-            (2, 0),
-            (4, 0),
-            (6, 0),
-            (0, 1),
-            (1, 1),
-            (4, 1),
-            (5, 1),
-            (0, 2),
-            (1, 2),
-            (2, 2),
-            (3, 2),
-        ];
+        let steps: [usize; 8] =
+            std::array::from_fn(|c| (c & 1) + nx * ((c >> 1 & 1) + ny * (c >> 2)));
+        let n = self.per_cell;
+        // Inside, where all of a block is linked, the joins repeat from cell to cell.
+        let all_linked: Vec<Vec<(usize, usize)>> = (0..n.pow(3))
+            .map(|s| {
+                let first = (s % n + n) + nx * ((s / n % n + n) + ny * (s / n.pow(2) + n));
+                twins(&[0; 8], &steps.map(|step| self.tet(first + step)))
+            })
+            .collect();
         for k in 0..nz - 1 {
             for j in 0..ny - 1 {
+                let row = nx * (j + ny * k);
+                let pattern = n * (j % n + n * (k % n));
                 for i in 0..nx - 1 {
-                    let first = i + nx * (j + ny * k);
-                    let corner: [usize; 8] = std::array::from_fn(|c| {
-                        first + (c & 1) + nx * ((c >> 1 & 1) + ny * (c >> 2))
-                    });
-                    if corner.iter().filter(|&&s| self.is_solid(s)).count() < 2 {
-                        continue;
-                    }
-                    let mut label = [0, 1, 2, 3, 4, 5, 6, 7];
-                    for (c, axis) in EDGES {
-                        if self.linked(corner[c], axis).is_some() {
-                            let (a, b) = (label[c], label[c | 1 << axis]);
-                            if a != b {
+                    let first = row + i;
+                    let corner = steps.map(|step| first + step);
+                    if corner.iter().all(|&s| self.flags[s] == ALL_FLAGS) {
+                        for &(c, d) in &all_linked[pattern + i % n] {
+                            sets.union(corner[c] as u32, corner[d] as u32);
+                        }
+                    } else if corner.iter().filter(|&&s| self.is_solid(s)).count() > 1 {
+                        let mut label = [0, 1, 2, 3, 4, 5, 6, 7];
+                        for (c, axis) in BLOCK_EDGES {
+                            if self.linked(corner[c], axis).is_some() {
+                                let (a, b) = (label[c], label[c | 1 << axis]);
                                 label.iter_mut().filter(|l| **l == b).for_each(|l| *l = a);
                             }
                         }
-                    }
-                    let tets = corner.map(|s| self.tet(s));
-                    for c in 1..8 {
-                        let twin = (0..c)
-                            .rev()
-                            .find(|&d| label[d] == label[c] && tets[d] == tets[c]);
-                        if let Some(d) = twin {
+                        for (c, d) in twins(&label, &corner.map(|s| self.tet(s))) {
                             sets.union(corner[c] as u32, corner[d] as u32);
                         }
                     }
@@ -221,6 +236,34 @@ impl Samples {
             }
         }
     }
+}
+
+/// The edges of a block of 2 × 2 × 2 samples as (corner, axis); the corner bits are x 1, y 2, z 4.
+const BLOCK_EDGES: [(usize, usize); 12] = [
+    (0, 0),
+    (2, 0),
+    (4, 0),
+    (6, 0),
+    (0, 1),
+    (1, 1),
+    (4, 1),
+    (5, 1),
+    (0, 2),
+    (1, 2),
+    (2, 2),
+    (3, 2),
+];
+
+/// Corners of a block that share label and tet, each with the one before it.
+fn twins(label: &[usize; 8], tets: &[u32; 8]) -> Vec<(usize, usize)> {
+    (1..8)
+        .filter_map(|c| {
+            let before = (0..c)
+                .rev()
+                .find(|&d| label[d] == label[c] && tets[d] == tets[c]);
+            before.map(|d| (c, d))
+        })
+        .collect()
 }
 
 impl Grid {

@@ -155,15 +155,17 @@ fn nearest_seen(
 ) -> Option<(usize, bool)> {
     let nodes = lattice.tet_nodes(point.tet);
     let sees = |s: &usize| !near.blocks(lattice, skin, point, samples.position(*s));
-    let around = samples.around(point.place, 2);
-    let in_tet = |s: &usize| samples.tet(*s) == point.tet;
+    let around = samples.around(point.place);
     let beside = |s: &usize| share_face(&nodes, &lattice.tet_nodes(samples.tet(*s)));
-    let here = (around.iter().copied().filter(in_tet).find(sees)).or_else(|| {
+    let nearby = |s: &usize| samples.tet(*s) == point.tet;
+    let here = (around.iter().copied().filter(nearby).find(sees))
         // A tet that the skin cuts in two places may have its samples at the other.
-        let reach = (lattice.cell / samples.grid.spacing).ceil() as usize;
-        let far = samples.around(point.place, reach);
-        far.into_iter().filter(in_tet).find(sees)
-    });
+        .or_else(|| {
+            samples
+                .in_tet(point.tet, point.place)
+                .into_iter()
+                .find(sees)
+        });
     here.map(|s| (s, true)).or_else(|| {
         around
             .into_iter()
