@@ -1,2 +1,5 @@
 //! The `supple` command.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    supple::cli::main()
+}

@@ -8,8 +8,11 @@ mod glb;
 mod image;
 mod obj;
 mod raster;
+mod report;
+mod run;
 mod smpl;
 mod strip;
+mod tet_mesh;
 mod text;
 
 pub use colour::{Colour, colour_map, from_srgb};
@@ -17,5 +20,8 @@ pub use glb::{GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, write_gl
 pub use image::Image;
 pub use obj::write_obj;
 pub use raster::{Camera, Mesh, Plane, Projection, View, render};
+pub use report::{Breakdown, EnergyReport, Median, Report, Spread};
+pub use run::{Driver, SceneRun, Snapshot, picture_strip, run_scene};
 pub use smpl::write_smpl;
 pub use strip::{Legend, Panel, Strip};
+pub use tet_mesh::write_tet_mesh;

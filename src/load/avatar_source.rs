@@ -2,12 +2,10 @@
 
 use super::scene::{of_file, parse_toml};
 use super::{TetMeshFile, read_closed_obj, read_smpl, read_tet_mesh};
-use crate::bake::mesh::{ShellOptions, prism_shell};
-use crate::bake::{HandleRegion, Recipe};
-use crate::math::Rows;
-use crate::model::{Body, ParametricModel, PoseBlend, Surface};
+use crate::bake::{CubatureRecipe, HandleRegion, Recipe};
+use crate::model::{Body, Surface};
 use crate::sample::limb::one_bone_body;
-use crate::sample::{Finger, Limb};
+use crate::sample::{Finger, Limb, hand};
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -30,8 +28,6 @@ pub struct AvatarSource {
     pub betas: Vec<f64>,
     /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
     pub bones: Option<PathBuf>,
-    /// The layer under a model without bone surfaces.
-    pub shell: Option<Shell>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
 }
@@ -50,16 +46,6 @@ pub enum Sample {
     LimbM,
 }
 
-/// A prism shell under the skin.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Shell {
-    /// Greatest depth, m.
-    pub thickness: f64,
-    /// Number of prism layers.
-    pub layers: usize,
-}
-
 /// Reads an avatar's source from the TOML file at `path`; files that it names lie relative to it.
 ///
 /// # Errors
@@ -71,6 +57,21 @@ pub fn read_avatar_source(path: impl AsRef<Path>) -> Result<AvatarSource> {
     source.validate().map_err(|e| of_file(e, path))?;
     source.resolve(path.parent().unwrap_or(Path::new("")));
     Ok(source)
+}
+
+/// Reads an avatar's source from a file of its own or from a scene's `avatar` table.
+///
+/// # Errors
+/// As [`read_avatar_source`] and [`super::read_scene`].
+pub fn read_avatar_source_or_scene(path: impl AsRef<Path>) -> Result<AvatarSource> {
+    let path = path.as_ref();
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+    let table: toml::Table = parse_toml(&text, path)?;
+    if table.contains_key("avatar") {
+        Ok(super::read_scene(path)?.avatar)
+    } else {
+        read_avatar_source(path)
+    }
 }
 
 impl AvatarSource {
@@ -103,12 +104,9 @@ impl AvatarSource {
             );
             return Err(Error::invalid("avatar", problem));
         }
-        let of_model = self.bones.is_some() || self.shell.is_some() || !self.betas.is_empty();
-        if of_model && self.model.is_none() {
-            return Err(Error::invalid(
-                "avatar",
-                "bones, shell and betas belong to a model",
-            ));
+        if self.model.is_none() && (self.bones.is_some() || !self.betas.is_empty()) {
+            let problem = "bones and betas belong to a model";
+            return Err(Error::invalid("avatar", problem));
         }
         if self.bake.is_some() && (self.file.is_some() || self.recipe.is_some()) {
             let problem = "what is baked already, or has its own recipe, takes none here";
@@ -168,30 +166,43 @@ impl AvatarSource {
         Ok((body, self.bake.clone().unwrap_or(recipe)))
     }
 
-    /// A model's body: a lattice between skin and bones, or a shell where no bones are given.
+    /// A model's body, with its bone surfaces if they are given.
     fn model_body(&self, path: &Path) -> Result<Body> {
         let model = read_smpl(path)?;
         let bones = match &self.bones {
             None => Vec::new(),
             Some(path) => bones_by_name(&model.names, path)?,
         };
-        model_body(&stem(path), &model, &self.betas, bones, self.shell)
+        Ok(Body::of_model(&stem(path), &model, &self.betas, bones))
     }
 }
 
 impl Sample {
     /// The body and its own recipe.
-    fn body(self) -> Result<(Body, Recipe)> {
+    pub fn body(self) -> Result<(Body, Recipe)> {
         match self {
             Self::LimbS => Ok((Limb::S.body()?, limb_recipe())),
             Self::LimbM => Ok((Limb::M.body()?, limb_recipe())),
             Self::Finger => Ok((Finger::default().body()?, handles(40))),
-            Self::Hand => Err(Error::invalid(
-                "avatar.sample",
-                "the hand has no soft layer yet",
-            )),
+            Self::Hand => {
+                let hand = hand()?;
+                let body = Body::of_model("hand", &hand.model, &[], hand.bones);
+                Ok((body, hand_recipe(&hand.palmar)))
+            }
         }
     }
+}
+
+/// The paper's hand: 87 handles over palm and finger pads, 700 cubature points.
+fn hand_recipe(palmar: &[bool]) -> Recipe {
+    let soft = palmar.iter().zip(0u32..).filter(|(soft, _)| **soft);
+    let mut recipe = handles(87);
+    recipe.handles[0].vertices = soft.map(|(_, v)| v).collect();
+    recipe.cubature = CubatureRecipe {
+        points: Some(700),
+        ..CubatureRecipe::default()
+    };
+    recipe
 }
 
 /// So many handles all over the skin.
@@ -234,46 +245,4 @@ fn bones_by_name(names: &[String], path: &Path) -> Result<Vec<Surface>> {
         at.map(|i| objects.swap_remove(i).1).unwrap_or_default()
     };
     Ok(names.iter().map(&mut take).collect())
-}
-
-/// The body of a parametric model in shape `betas`.
-///
-/// # Errors
-/// What meshing says.
-pub fn model_body(
-    name: &str,
-    model: &ParametricModel,
-    betas: &[f64],
-    bone_surfaces: Vec<Surface>,
-    shell: Option<Shell>,
-) -> Result<Body> {
-    let skin = Surface {
-        positions: model.shaped(betas),
-        triangles: model.triangles.clone(),
-    };
-    let layer = if bone_surfaces.is_empty() {
-        let Some(Shell { thickness, layers }) = shell else {
-            let problem = "needs bones (an OBJ file) or a shell { thickness, layers }";
-            return Err(Error::invalid("avatar", problem));
-        };
-        prism_shell(&skin, &model.weights, ShellOptions { thickness, layers })?
-    } else {
-        return Err(Error::invalid(
-            "avatar.bones",
-            "a layer between bones and skin is not meshed yet",
-        ));
-    };
-    let directions = model.pose_directions.iter().flatten();
-    Ok(Body {
-        name: name.into(),
-        skeleton: model.skeleton(betas),
-        skin,
-        skinning: Rows::clone(&model.weights),
-        pose_blend: PoseBlend {
-            features: model.pose_directions.len(),
-            columns: directions.map(|d| d.as_vec3().to_array()).collect(),
-        },
-        bone_surfaces,
-        layer,
-    })
 }

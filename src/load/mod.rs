@@ -7,7 +7,7 @@ pub mod scene;
 mod smpl;
 mod tet_mesh;
 
-pub use avatar_source::{AvatarSource, Sample, Shell, model_body, read_avatar_source};
+pub use avatar_source::{AvatarSource, Sample, read_avatar_source, read_avatar_source_or_scene};
 pub use obj::{read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
 pub use smpl::read_smpl;

@@ -1,0 +1,208 @@
+//! `supple simulate`.
+
+use super::{avatar, make_folder, print, print_json, print_table, progress, to_json};
+use crate::bake::full_space;
+use crate::export::{Report, SceneRun, picture_strip, run_scene, write_glb};
+use crate::gpu::{AdapterChoice, GpuDevice};
+use crate::load::{Scene, read_scene};
+use crate::model::Avatar;
+use crate::potential::Potential;
+use crate::reference::Reference;
+use crate::sim::{Simulation, SparseCholesky};
+use crate::stage::{GpuOptions, GpuPotential};
+use crate::{Error, GpuError, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What evaluates the potential.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Backend {
+    /// A real GPU, else (where allowed) a software one, else the CPU.
+    Auto,
+    /// A GPU, or an error.
+    Gpu,
+    /// The f64 evaluation.
+    Cpu,
+}
+
+/// Arguments of `supple simulate`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A scene file.
+    scene: PathBuf,
+    /// What evaluates the potential.
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: Backend,
+    /// Let a software adapter stand in for a GPU.
+    #[arg(long)]
+    allow_software: bool,
+    /// Solve for every node of the soft layer: the reference for accuracy. CPU only.
+    #[arg(long, conflicts_with = "allow_software")]
+    full_space: bool,
+    /// Write the report to stdout as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Where results go [default: out/<scene>].
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Where bakes are kept.
+    #[arg(long, default_value = "out/cache")]
+    cache: PathBuf,
+    /// Only the report: no pictures, no GLB file.
+    #[arg(long)]
+    no_pictures: bool,
+}
+
+impl Arguments {
+    /// Simulates and writes `strip.png`, `avatar.glb` and `report.json`.
+    pub fn run(self) -> Result<()> {
+        if self.full_space && self.backend == Backend::Gpu {
+            let problem = "the full space is solved on the CPU; leave --backend gpu out";
+            return Err(Error::invalid("--full-space", problem));
+        }
+        let scene = read_scene(&self.scene)?;
+        let mut avatar = avatar::load(&scene.avatar, &self.cache)?;
+        avatar.material = scene.material.unwrap_or(avatar.material);
+        avatar.damping_time = scene.damping_time.unwrap_or(avatar.damping_time);
+        if self.full_space {
+            avatar = full_space(&avatar)?;
+        }
+        let avatar = Arc::new(avatar);
+        let (mut run, backend) = self.simulate(&scene, &avatar)?;
+        run.report.backend = backend;
+        let folder = self
+            .output
+            .clone()
+            .unwrap_or_else(|| Path::new("out").join(&scene.name));
+        make_folder(&folder)?;
+        if !self.no_pictures {
+            picture_strip(&scene, &avatar, &run.snapshots).write_png(&folder.join("strip.png"))?;
+            let glb = write_glb(&avatar, &run.recording, folder.join("avatar.glb"))?;
+            eprintln!(
+                "avatar.glb: {} KiB, {} morphs that miss {:.4} mm at most",
+                glb.bytes / 1024,
+                glb.morphs,
+                1e3 * glb.largest_morph_error
+            );
+        }
+        let path = folder.join("report.json");
+        std::fs::write(&path, to_json(&run.report)?).map_err(|e| Error::io(&path, e))?;
+        if self.json {
+            return print_json(&run.report);
+        }
+        print_report(&run.report);
+        print(format_args!("\nwritten to {}", folder.display()));
+        Ok(())
+    }
+
+    /// Runs on the chosen backend, and says on stderr which that is.
+    fn simulate(&self, scene: &Scene, avatar: &Arc<Avatar>) -> Result<(SceneRun, String)> {
+        if let Some(gpu) = self.open_gpu()? {
+            eprintln!(
+                "backend: gpu, {} ({})",
+                gpu.adapter.name, gpu.adapter.backend
+            );
+            let options = GpuOptions {
+                colliders: scene.colliders.len().max(1),
+                ..GpuOptions::default()
+            };
+            let (device, queue) = (&gpu.device, &gpu.queue);
+            let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options)?;
+            let simulation = Simulation::new(avatar, potential, scene.settings)?;
+            return Ok((play(scene, avatar, simulation)?, "gpu".into()));
+        }
+        let contacts = avatar.skin.len() * scene.colliders.len();
+        let potential = Reference::new(avatar.clone(), 1, contacts)?;
+        if self.full_space {
+            eprintln!("backend: cpu, full space");
+            let solver = Box::new(SparseCholesky::new(potential.pattern())?);
+            let simulation = Simulation::with_solver(avatar, potential, scene.settings, solver)?;
+            return Ok((play(scene, avatar, simulation)?, "cpu, full space".into()));
+        }
+        eprintln!("backend: cpu");
+        let simulation = Simulation::new(avatar, potential, scene.settings)?;
+        Ok((play(scene, avatar, simulation)?, "cpu".into()))
+    }
+
+    /// The device to run on; `None` means the CPU.
+    fn open_gpu(&self) -> Result<Option<GpuDevice>> {
+        if self.full_space || self.backend == Backend::Cpu {
+            return Ok(None);
+        }
+        let choice = if self.allow_software {
+            AdapterChoice::HardwareElseSoftware
+        } else {
+            AdapterChoice::Hardware
+        };
+        match pollster::block_on(GpuDevice::open(choice)) {
+            Ok(gpu) => Ok(Some(gpu)),
+            Err(Error::Gpu(GpuError::NoAdapter(_))) if self.backend == Backend::Auto => Ok(None),
+            Err(e) => Err(e),
+        }
+    }
+}
+
+fn play<P: Potential>(
+    scene: &Scene,
+    avatar: &Avatar,
+    mut simulation: Simulation<P>,
+) -> Result<SceneRun> {
+    let bar = progress::bar(scene.steps, &scene.name);
+    let run = run_scene(scene, avatar, &mut simulation, &mut |step| {
+        bar.set_position(step as u64);
+    });
+    bar.finish_and_clear();
+    run
+}
+
+fn print_report(r: &Report) {
+    let ms = &r.breakdown_ms;
+    print_table([
+        ("backend", format!("{} ({})", r.backend, r.adapter)),
+        ("steps", format!("{} of {} s", r.steps, r.time_step)),
+        (
+            "degrees of freedom",
+            format!("{} ({} handles)", r.dofs, r.handles),
+        ),
+        ("cubature points", r.cubature_points.to_string()),
+        (
+            "ms a step",
+            format!(
+                "{:.3} median, {:.3} p95",
+                r.ms_per_step.median, r.ms_per_step.p95
+            ),
+        ),
+        (
+            "ms a step in contact",
+            format!("{:.3} median", r.ms_per_step_in_contact.median),
+        ),
+        (
+            "of which",
+            format!(
+                "force {:.3}, Hessian {:.3}, readback {:.3}, solve {:.3}, skin {:.3}, skeleton {:.3}",
+                ms.force, ms.hessian, ms.readback, ms.solve, ms.skin, ms.skeleton
+            ),
+        ),
+        ("smallest det F", format!("{:.3}", r.min_det_f)),
+        ("penetration", format!("{:.3} mm", r.max_penetration_mm)),
+        ("joint gap", format!("{:.4} mm", r.max_joint_gap_mm)),
+        (
+            "unposed displacement",
+            format!(
+                "{:.3} mm, {:.3} mm at full press",
+                r.max_unposed_displacement_mm, r.full_press_displacement_mm
+            ),
+        ),
+        (
+            "contact force, load",
+            format!(
+                "{:.3} N, {:.3} N at full press",
+                r.contact_force_n, r.load_n
+            ),
+        ),
+        (
+            "residual displacement",
+            format!("{:.5} mm", r.residual_displacement_mm),
+        ),
+    ]);
+}

@@ -1,0 +1,122 @@
+//! A scene's bones and colliders in time.
+
+use crate::collider::Collider;
+use crate::load::Scene;
+use crate::load::scene::{Motion, SceneCollider, Target};
+use crate::math::rotation_exp;
+use crate::model::{Avatar, Frame};
+use crate::sim::{Instance, Pin};
+use crate::skeleton::Tracking;
+use crate::{Error, Result};
+use glam::{DMat3, DVec3};
+
+/// A scene whose names are resolved against an avatar.
+#[derive(Clone, Debug)]
+pub struct Driver {
+    gravity: DVec3,
+    start: Vec<Frame>,
+    pins: Vec<(usize, Motion)>,
+    targets: Vec<(usize, Target)>,
+    colliders: Vec<SceneCollider>,
+}
+
+impl Driver {
+    /// Finds the scene's bones in `avatar`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the bone that is not there and those that are.
+    pub fn new(scene: &Scene, avatar: &Avatar) -> Result<Self> {
+        let skeleton = &avatar.skeleton;
+        let find = |name: &str, field: String| {
+            skeleton.find(name).ok_or_else(|| {
+                let bones = skeleton.names.join(", ");
+                Error::invalid(
+                    field,
+                    format!("no bone is called {name:?}; there are {bones}"),
+                )
+            })
+        };
+        let radians = |degrees: DVec3| rotation_exp(degrees * std::f64::consts::PI / 180.0);
+        let mut local = vec![DMat3::IDENTITY; skeleton.len()];
+        for (i, pose) in scene.pose.iter().enumerate() {
+            local[find(&pose.bone, format!("pose[{i}].bone"))?] = radians(pose.rotation_degrees);
+        }
+        local[0] = radians(scene.placement.rotation_degrees) * local[0];
+        let root = skeleton.joints[0] + scene.placement.position;
+        let pins = scene.pins.iter().enumerate().map(|(i, pin)| {
+            Ok((
+                find(&pin.bone, format!("pins[{i}].bone"))?,
+                pin.motion.clone(),
+            ))
+        });
+        let targets = scene.targets.iter().enumerate().map(|(i, target)| {
+            Ok((
+                find(&target.bone, format!("targets[{i}].bone"))?,
+                target.clone(),
+            ))
+        });
+        Ok(Self {
+            gravity: scene.gravity,
+            start: skeleton.forward_kinematics(&local, root),
+            pins: pins.collect::<Result<_>>()?,
+            targets: targets.collect::<Result<_>>()?,
+            colliders: scene.colliders.clone(),
+        })
+    }
+
+    /// Puts `instance` where the scene starts, at rest.
+    pub fn start(&self, avatar: &Avatar, instance: &mut Instance) {
+        instance.pose(&self.start, &avatar.skeleton.parents);
+        instance.gravity = self.gravity;
+        let pin = |(bone, motion): &(usize, Motion)| Pin {
+            bone: *bone,
+            frame: self.driven(*bone, motion, 0.0),
+        };
+        instance.pins = self.pins.iter().map(pin).collect();
+        let target = |(bone, target): &(usize, Target)| Tracking {
+            position: Some(target.position),
+            rotation: Some(target.rotation),
+            ..Tracking::new(*bone, self.driven(*bone, &target.motion, 0.0))
+        };
+        instance.targets = self.targets.iter().map(target).collect();
+        let collider = |c: &SceneCollider| Collider {
+            shape: c.shape,
+            frame: c.motion.at(0.0),
+            previous: c.motion.at(0.0),
+            stiffness: c.stiffness,
+            margin: c.margin,
+        };
+        instance.colliders = self.colliders.iter().map(collider).collect();
+    }
+
+    /// Moves what is driven to `time`, the end of the next step.
+    pub fn drive(&self, time: f64, instance: &mut Instance) {
+        for (pin, (bone, motion)) in instance.pins.iter_mut().zip(&self.pins) {
+            pin.frame = self.driven(*bone, motion, time);
+        }
+        for (target, (bone, wanted)) in instance.targets.iter_mut().zip(&self.targets) {
+            target.frame = self.driven(*bone, &wanted.motion, time);
+        }
+        for (collider, frame) in instance
+            .colliders
+            .iter_mut()
+            .zip(self.collider_frames(time))
+        {
+            collider.frame = frame;
+        }
+    }
+
+    /// Where the colliders are at `time`.
+    pub fn collider_frames(&self, time: f64) -> impl Iterator<Item = Frame> {
+        self.colliders.iter().map(move |c| c.motion.at(time))
+    }
+
+    /// A bone's frame at the start, moved by `motion`.
+    fn driven(&self, bone: usize, motion: &Motion, time: f64) -> Frame {
+        let (start, moved) = (self.start[bone], motion.at(time));
+        Frame {
+            rotation: moved.rotation * start.rotation,
+            position: start.position + moved.position,
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! A scene played: driven, stepped, measured and recorded.
+
+mod driver;
+mod measure;
+mod pictures;
+
+pub use driver::Driver;
+pub use pictures::picture_strip;
+
+use super::glb::{Prop, Recording};
+use super::{Mesh, Report};
+use crate::Result;
+use crate::load::Scene;
+use crate::model::{Avatar, Frame, State};
+use crate::potential::Potential;
+use crate::sim::Simulation;
+use glam::DVec3;
+use measure::Measures;
+
+/// What a scene's run gave.
+#[derive(Clone, Debug)]
+pub struct SceneRun {
+    /// Its figures.
+    pub report: Report,
+    /// Its motion.
+    pub recording: Recording,
+    /// What its pictures show.
+    pub snapshots: Vec<Snapshot>,
+}
+
+/// A moment that is drawn.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// Below the picture.
+    pub caption: String,
+    /// Drawn skin, m.
+    pub skin: Vec<DVec3>,
+    /// Length of the unposed displacement of each skin vertex, m.
+    pub displacement: Vec<f64>,
+    /// A frame for each collider.
+    pub colliders: Vec<Frame>,
+}
+
+/// Plays `scene` with one instance; `progress` is called with the number of steps made.
+///
+/// # Errors
+/// A bone that the avatar does not have, and whatever a step says.
+pub fn run_scene<P: Potential>(
+    scene: &Scene,
+    avatar: &Avatar,
+    simulation: &mut Simulation<P>,
+    progress: &mut dyn FnMut(usize),
+) -> Result<SceneRun> {
+    let driver = Driver::new(scene, avatar)?;
+    driver.start(avatar, &mut simulation.instances_mut()[0]);
+    let mut measures = Measures::new(scene, avatar);
+    let mut recording = Recording {
+        props: props(scene),
+        ..Recording::default()
+    };
+    let mut snapshots = vec![None; scene.output.panels.len()];
+    let (mut skin, mut normals) = (Vec::new(), Vec::new());
+    record(
+        &mut recording,
+        &driver,
+        0.0,
+        &simulation.instances()[0].state,
+    );
+    for step in 1..=scene.steps {
+        let time = step as f64 * scene.settings.time_step;
+        driver.drive(time, &mut simulation.instances_mut()[0]);
+        let report = simulation.step_blocking()?;
+        simulation.read_skin_blocking(0, &mut skin, &mut normals)?;
+        let instance = &simulation.instances()[0];
+        measures.add(step, &report, instance, &skin);
+        if step % scene.output.record_every == 0 || step == scene.steps {
+            record(&mut recording, &driver, time, &instance.state);
+        }
+        for (panel, snapshot) in scene.output.panels.iter().zip(&mut snapshots) {
+            if scene.step_at(panel.time) == step {
+                *snapshot = Some(Snapshot {
+                    caption: panel.caption.clone(),
+                    skin: skin.clone(),
+                    displacement: measures.displacement().iter().map(|d| d.length()).collect(),
+                    colliders: driver.collider_frames(time).collect(),
+                });
+            }
+        }
+        progress(step);
+    }
+    Ok(SceneRun {
+        report: measures.report(avatar, simulation.potential().name()),
+        recording,
+        snapshots: snapshots.into_iter().flatten().collect(),
+    })
+}
+
+fn record(recording: &mut Recording, driver: &Driver, time: f64, state: &State) {
+    recording.times.push(time);
+    recording.states.push(state.clone());
+    for (prop, frame) in recording.props.iter_mut().zip(driver.collider_frames(time)) {
+        prop.frames.push(frame);
+    }
+}
+
+/// Half the side of the square that stands for a half-space, m.
+const HALF_SPACE_EXTENT: f64 = 0.3;
+/// What colliders look like.
+const COLLIDER_COLOUR: u32 = 0x8fa3b8;
+
+fn props(scene: &Scene) -> Vec<Prop> {
+    let colour = super::from_srgb(COLLIDER_COLOUR);
+    let prop = |c: &crate::load::scene::SceneCollider| Prop {
+        name: c.name.clone(),
+        surface: Mesh::collider(&c.shape, &Frame::IDENTITY, HALF_SPACE_EXTENT, colour).surface,
+        colour,
+        frames: Vec::new(),
+    };
+    scene.colliders.iter().map(prop).collect()
+}

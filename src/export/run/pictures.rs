@@ -1,0 +1,75 @@
+//! The picture strip of a run.
+
+use super::{COLLIDER_COLOUR, HALF_SPACE_EXTENT, Snapshot};
+use crate::export::{
+    Camera, Image, Legend, Mesh, Panel, Plane, Strip, View, colour_map, from_srgb, render,
+};
+use crate::load::Scene;
+use crate::model::{Avatar, Surface};
+use glam::DVec3;
+
+/// Cut tissue.
+const FLESH: u32 = 0xd98a7b;
+
+/// Draws the snapshots side by side: the skin coloured by its unposed displacement, and the colliders.
+/// All of them share camera and colour scale.
+pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Image {
+    let output = &scene.output;
+    let largest = snapshots
+        .iter()
+        .flat_map(|s| &s.displacement)
+        .fold(0.0, |a: f64, b| a.max(*b));
+    let maximum = output.legend_mm.map_or(largest.max(1e-5), |mm| 1e-3 * mm);
+    let scenes: Vec<Vec<Mesh>> = snapshots
+        .iter()
+        .map(|s| meshes(scene, avatar, s, maximum))
+        .collect();
+    let [width, height] = output.panel_size;
+    let framed: Vec<DVec3> = snapshots
+        .iter()
+        .flat_map(|s| s.skin.iter().copied())
+        .collect();
+    let aspect = width as f64 / height as f64;
+    let camera = Camera::framing(&framed, output.view, DVec3::Z, aspect);
+    let view = View {
+        clip: output.cut.map(|c| Plane {
+            point: c.point,
+            normal: c.normal,
+        }),
+        ..View::new(camera, width, height)
+    };
+    let panel = |(snapshot, meshes): (&Snapshot, &Vec<Mesh>)| Panel {
+        image: render(meshes, &view),
+        caption: snapshot.caption.clone(),
+    };
+    let strip = Strip {
+        panels: snapshots.iter().zip(&scenes).map(panel).collect(),
+        legend: Some(Legend {
+            title: "unposed displacement (mm)".into(),
+            maximum: 1e3 * maximum,
+        }),
+    };
+    strip.compose(view.background)
+}
+
+fn meshes(scene: &Scene, avatar: &Avatar, snapshot: &Snapshot, maximum: f64) -> Vec<Mesh> {
+    let skin = Surface {
+        positions: snapshot.skin.clone(),
+        triangles: avatar.triangles.clone(),
+    };
+    let colours = snapshot
+        .displacement
+        .iter()
+        .map(|d| colour_map(d / maximum));
+    let skin = Mesh::coloured(skin, colours.collect());
+    let mut meshes = vec![match scene.output.cut {
+        Some(_) => skin.opened(from_srgb(FLESH)),
+        None => skin,
+    }];
+    let colour = from_srgb(COLLIDER_COLOUR);
+    for (collider, frame) in scene.colliders.iter().zip(&snapshot.colliders) {
+        let shape = &collider.shape;
+        meshes.push(Mesh::collider(shape, frame, HALF_SPACE_EXTENT, colour));
+    }
+    meshes
+}
