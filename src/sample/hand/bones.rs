@@ -186,7 +186,7 @@ pub(super) fn bones(digits: &[Digit; 5]) -> Vec<Surface> {
     );
     for digit in &digits[..4] {
         let ends = [digit.base, digit.joints[0]];
-        let bone = long_bone(ends, [0.0, -1.0], digit.dorsal, METACARPAL, 1.0, 0.0);
+        let bone = long_bone(ends, [0.0, -1.0], digit.dorsal, METACARPAL, 1.0, 1.5);
         append(&mut root, bone);
     }
     let mut all = vec![root];

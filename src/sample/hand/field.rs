@@ -180,3 +180,71 @@ impl Ellipsoid {
         ellipsoid_distance(self.axes.local(p), self.radii)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Random;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn smooth_minimum_is_the_minimum_apart_and_below_it_near() {
+        assert_eq!(smooth_min(1.0, 4.0, 3.0), 1.0);
+        assert_eq!(smooth_max(1.0, 4.0, 3.0), 4.0);
+        assert_relative_eq!(smooth_min(2.0, 2.0, 4.0), 1.0);
+        for a in [-1.0, 0.3, 2.0] {
+            assert!(smooth_min(a, 0.5, 3.0) < a.min(0.5));
+            assert_eq!(smooth_min(a, 0.5, 3.0), smooth_min(0.5, a, 3.0));
+        }
+    }
+
+    fn cigar() -> Sweep {
+        let section = |at: f64, radius: f64| Section {
+            at,
+            centre: [0.0, 0.0],
+            extent: [radius; 3],
+        };
+        let axes = Axes::new(DVec3::X, DVec3::new(1.0, 2.0, 2.0), DVec3::Z);
+        Sweep::new(
+            axes,
+            vec![section(0.0, 2.0), section(5.0, 2.0), section(9.0, 2.0)],
+            [2.0, 2.0],
+        )
+    }
+
+    #[test]
+    fn an_even_sweep_is_a_capsule() {
+        let sweep = cigar();
+        let random = &mut Random::new(7);
+        for _ in 0..200 {
+            let local = DVec3::new(random.uniform(-4.0, 13.0), 0.0, 0.0) + random.vector(3.0);
+            let nearest = DVec3::new(local.x.clamp(0.0, 9.0), 0.0, 0.0);
+            let p = sweep.axes.world(local);
+            assert_relative_eq!((sweep.axes.local(p) - local).length(), 0.0, epsilon = 1e-12);
+            assert_relative_eq!(
+                sweep.distance(p),
+                local.distance(nearest) - 2.0,
+                epsilon = 1e-9
+            );
+        }
+    }
+
+    #[test]
+    fn sections_interpolate_their_rows() {
+        let rows = [(0.0, 1.0), (2.0, 3.0), (5.0, 2.0), (6.0, 2.5)];
+        let sections = rows.map(|(at, e)| Section {
+            at,
+            centre: [0.1 * at, -at],
+            extent: [e, 2.0 * e, 3.0 * e],
+        });
+        let axes = Axes::new(DVec3::ZERO, DVec3::X, DVec3::Z);
+        let sweep = Sweep::new(axes, sections.to_vec(), [1.0, 1.0]);
+        for (at, e) in rows {
+            let section = sweep.section(at);
+            let expected = [0.1 * at, -at, e, 2.0 * e, 3.0 * e];
+            for k in 0..5 {
+                assert_relative_eq!(section[k], expected[k], epsilon = 1e-12);
+            }
+        }
+    }
+}

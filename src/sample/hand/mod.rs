@@ -12,6 +12,7 @@ mod anatomy;
 mod bones;
 mod dual_quaternion;
 mod field;
+mod flesh;
 mod palmar;
 mod polygonise;
 mod pose_columns;

@@ -1,19 +1,17 @@
-//! Fine relief of the skin: flexion creases, knuckle wrinkles, the lines of the palm, nails. It is added
+//! Fine relief of the skin: flexion creases, the lines of the palm, nails. It is added
 //! to the implicit function near its zero level, in mm; positive carves.
 
 use super::anatomy::Digit;
 use super::field::Sweep;
 use glam::{DVec2, DVec3};
 
-/// A groove across a digit.
+/// A groove across the palmar side of a digit.
 #[derive(Clone, Copy, Debug)]
 struct Crease {
     /// Station along the digit.
     at: f64,
     depth: f64,
     width: f64,
-    /// +1 on the back, −1 on the palmar side.
-    side: f64,
 }
 
 /// A nail: a rounded rectangle on the back of the last segment.
@@ -114,23 +112,18 @@ impl Relief {
             let at = |segment: usize, fraction: f64| {
                 joints[segment] + fraction * (joints[segment + 1] - joints[segment])
             };
-            let crease = |at: f64, depth: f64, width: f64, side: f64| Crease {
+            let crease = |at: f64, depth: f64, width: f64| Crease {
                 at,
                 depth: depth * digit.scale,
                 width,
-                side,
             };
             let mut creases = vec![
-                // Palmar creases at the two far joints, wrinkles behind them.
-                crease(at(1, 0.0), 0.9, 1.5, -1.0),
-                crease(at(2, -0.05), 0.8, 1.4, -1.0),
+                // At the two far joints, and at a finger's root.
+                crease(at(1, 0.0), 0.9, 1.5),
+                crease(at(2, -0.05), 0.8, 1.4),
             ];
             if d < 4 {
-                creases.extend([
-                    crease(at(0, 0.44), 0.9, 1.6, -1.0),
-                    crease(at(1, -0.045), 0.6, 1.2, 1.0),
-                    crease(at(1, 0.12), 0.6, 1.2, 1.0),
-                ]);
+                creases.push(crease(at(0, 0.44), 0.9, 1.6));
             }
             let length = joints[3] - joints[2];
             let wide = if d == 4 { 7.3 } else { 6.0 };
@@ -164,9 +157,8 @@ impl Relief {
         let up = v / u.hypot(v).max(1e-6);
         let relief = &self.digits[d];
         for crease in &relief.creases {
-            // Creases reach round the sides, wrinkles do not.
-            let sides = if crease.side < 0.0 { 0.25 } else { -0.45 };
-            let facing = smoothstep((crease.side * up + sides) / 0.6);
+            // They reach round the sides.
+            let facing = smoothstep((0.25 - up) / 0.6);
             let t = (local.x - crease.at) / crease.width;
             detail.carve += near * facing * crease.depth * bell(t);
             let edge = 1.9 + 2.2 * (1.0 - facing * plateau(t, 1.1));

@@ -193,3 +193,61 @@ fn relax(mesh: &mut EditMesh, surface: &dyn Implicit) {
     });
     mesh.positions = moved;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::polygonise::polygonise;
+    use super::*;
+    use crate::model::Surface;
+
+    /// A sphere whose northern half wants edges half as long.
+    struct Sphere(f64);
+
+    impl Implicit for Sphere {
+        fn project(&self, p: DVec3) -> DVec3 {
+            self.0 * p.normalize()
+        }
+
+        fn edge_length(&self, p: DVec3) -> f64 {
+            if p.z > 0.0 { 1.0 } else { 2.0 }
+        }
+    }
+
+    #[test]
+    fn a_sphere_keeps_its_shape_gets_its_count_and_follows_the_edge_lengths() {
+        let sphere = Sphere(3.0);
+        let box_size = DVec3::splat(3.7);
+        let (positions, triangles) =
+            polygonise(-box_size, box_size, 0.31, |p| p.length() - sphere.0);
+        let raw = Surface {
+            positions,
+            triangles,
+        };
+        assert!(raw.is_closed());
+        let volume = 4.0 / 3.0 * std::f64::consts::PI * sphere.0.powi(3);
+        // Chords lie inside: a deficit of the order of (cell / radius)².
+        assert!((0.97..1.0).contains(&(raw.volume() / volume)));
+        for count in [150, 701] {
+            let (positions, triangles) =
+                remesh(&sphere, raw.positions.clone(), raw.triangles.clone(), count);
+            let mesh = Surface {
+                positions,
+                triangles,
+            };
+            assert!(mesh.is_closed());
+            assert_eq!(mesh.positions.len(), count);
+            assert_eq!(mesh.triangles.len(), 2 * count - 4);
+            assert!(
+                mesh.positions
+                    .iter()
+                    .all(|p| (p.length() - 3.0).abs() < 1e-12)
+            );
+            // Half the edge length is four times the vertices: 80 % of them.
+            let north = mesh.positions.iter().filter(|p| p.z > 0.0).count() as f64;
+            assert!(
+                (0.72..0.88).contains(&(north / count as f64)),
+                "{north} of {count}"
+            );
+        }
+    }
+}
