@@ -225,9 +225,9 @@ fn fingers_that_nearly_touch_are_not_bridged() {
             (layer.tissue_volume() / solid - 1.0).abs() < 0.01,
             "gap {gap}"
         );
-        // Whole, it is one part; without the bend, the fingers are two.
+        // Whole, it is one part; without the bend and the cell beside it, the fingers are two.
         assert_eq!(size_of(&parts(&layer, |_| true)), 1);
-        let fingers = parts(&layer, |p| p.x > 0.002);
+        let fingers = parts(&layer, |p| p.x > cell);
         assert_eq!(size_of(&fingers), 2, "gap {gap}, cell {cell}");
         let side_of_part: BTreeMap<usize, bool> = (skin.positions.iter())
             .zip(layer.skin_embedding.iter())
@@ -311,7 +311,7 @@ fn the_sample_hand() {
     println!("{quality} in {:?}", start.elapsed());
     assert!((19_000..21_000).contains(&quality.nodes));
     let doubled = check(&layer, &skin, hand.bones.len());
-    assert!(50 * doubled < quality.nodes, "{doubled}");
+    assert!(100 * doubled < quality.nodes, "{doubled}");
     let bones: f64 = hand.bones.iter().map(Surface::volume).sum();
     let ratio = layer.tissue_volume() / (skin.volume() - bones);
     assert!((ratio - 1.0).abs() < 0.01, "{ratio}");

@@ -4,6 +4,7 @@ use super::bcc::{BccLattice, shared_corners};
 use super::disjoint_sets::DisjointSets;
 use super::samples::Samples;
 use super::skin_points::SkinPoints;
+use crate::math::par_map;
 use crate::model::Surface;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -84,7 +85,35 @@ impl Pieces {
         for &(a, b) in &points.across_faces {
             pieces.join_across_face(piece_of[a as usize], piece_of[b as usize]);
         }
+        pieces.join_needless_doubles(samples, &piece_of);
         pieces
+    }
+
+    /// Joins the doubles of a lattice node between which the solid around it is connected, where
+    /// what connects them is too small for a sample of its tet.
+    fn join_needless_doubles(&mut self, samples: &Samples, piece_of: &[u32]) {
+        let mut doubles: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+        for p in 0..self.list.len() {
+            let joined = self.joined_nodes(p);
+            for (node, joined) in self.list[p].nodes.into_iter().zip(joined) {
+                doubles.entry(node).or_default().insert(joined);
+            }
+        }
+        doubles.retain(|_, joined| joined.len() > 1);
+        let nodes: Vec<u32> = doubles.into_keys().collect();
+        let parts = par_map(nodes.len(), |i| samples.parts_around(nodes[i]));
+        for (node, parts) in nodes.into_iter().zip(parts) {
+            let mut corner_of_part: BTreeMap<usize, u32> = BTreeMap::new();
+            for (s, part) in parts {
+                let p = piece_of[s];
+                let corner = self.list[p as usize].nodes.iter().position(|&n| n == node);
+                if let Some(c) = corner {
+                    let corner = 4 * p + c as u32;
+                    let first = *corner_of_part.entry(part).or_insert(corner);
+                    self.corners.union(first, corner);
+                }
+            }
+        }
     }
 
     fn join_across_face(&mut self, a: u32, b: u32) {

@@ -113,7 +113,7 @@ impl Samples {
     /// The solid samples within two steps of `place` along each axis, the nearest first.
     pub fn around(&self, place: DVec3) -> Vec<usize> {
         let steps = 1.999 * self.grid.spacing;
-        self.in_box(place - steps, place + steps, place, |_| true)
+        self.nearest_first(self.in_box(place - steps, place + steps, |_| true), place)
     }
 
     /// The solid samples of `tet`, the nearest to `place` first.
@@ -121,16 +121,37 @@ impl Samples {
         let nodes = (self.lattice.tet_nodes(tet)).map(|n| self.lattice.node_position(n));
         let low = nodes.into_iter().fold(DVec3::INFINITY, DVec3::min);
         let high = nodes.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max);
-        self.in_box(low, high, place, |s| self.tet(s) == tet)
+        self.nearest_first(self.in_box(low, high, |s| self.tet(s) == tet), place)
     }
 
-    fn in_box(
-        &self,
-        low: DVec3,
-        high: DVec3,
-        place: DVec3,
-        keep: impl Fn(usize) -> bool,
-    ) -> Vec<usize> {
+    /// The parts of the solid in the neighbourhood of `node`: its tets, grown by a sample so
+    /// that what joins them by less than one counts. Each solid sample with its part's first one.
+    pub fn parts_around(&self, node: u32) -> Vec<(usize, usize)> {
+        let (place, reach) = (
+            self.lattice.node_position(node),
+            self.lattice.cell + self.grid.spacing,
+        );
+        // The tets around a node fill a rhombic dodecahedron.
+        let near = |s: usize| {
+            let d = (self.position(s) - place).abs();
+            d.element_sum() - d.min_element() <= reach
+        };
+        let samples = self.in_box(place - reach, place + reach, near);
+        let mut parts = DisjointSets::new(samples.len());
+        for (i, &s) in samples.iter().enumerate() {
+            for next in (0..3).filter_map(|axis| self.linked(s, axis)) {
+                if let Ok(j) = samples.binary_search(&next) {
+                    parts.union(i as u32, j as u32);
+                }
+            }
+        }
+        (samples.iter().enumerate())
+            .map(|(i, &s)| (s, samples[parts.find(i as u32) as usize]))
+            .collect()
+    }
+
+    /// The solid samples in a box that `keep` wants, in order.
+    fn in_box(&self, low: DVec3, high: DVec3, keep: impl Fn(usize) -> bool) -> Vec<usize> {
         let [nx, ny, _] = self.grid.counts;
         let first = ((low - self.grid.origin) / self.grid.spacing)
             .ceil()
@@ -138,20 +159,24 @@ impl Samples {
         let last = ((high - self.grid.origin) / self.grid.spacing)
             .floor()
             .to_array();
-        // A number below 0 becomes 0, and below `first` makes the range empty.
+        // A number below 0 becomes 0.
         let range = |a: usize| first[a] as usize..(last[a] as usize + 1).min(self.grid.counts[a]);
-        let mut found: Vec<(f64, usize)> = Vec::new();
+        let mut found = Vec::new();
         for k in range(2) {
             for j in range(1) {
-                for s in range(0).map(|i| i + nx * (j + ny * k)) {
-                    if self.is_solid(s) && keep(s) {
-                        found.push(((self.position(s) - place).length_squared(), s));
-                    }
-                }
+                let row = range(0).map(|i| i + nx * (j + ny * k));
+                found.extend(row.filter(|&s| self.is_solid(s) && keep(s)));
             }
         }
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found.into_iter().map(|(_, s)| s).collect()
+        found
+    }
+
+    fn nearest_first(&self, mut samples: Vec<usize>, place: DVec3) -> Vec<usize> {
+        samples.sort_by_cached_key(|&s| {
+            // Squares are not negative: their bits sort as they do.
+            ((self.position(s) - place).length_squared().to_bits(), s)
+        });
+        samples
     }
 
     /// The lattice tet that holds sample `s`.
