@@ -10,7 +10,7 @@ use supple::math::rotation_exp;
 use supple::model::{Avatar, Frame, State};
 use supple::reference::Reference;
 use supple::sample::Limb;
-use supple::sim::{Settings, Simulation, SolverMode, Stop};
+use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
 use supple::skeleton::{Spring, Tracking};
 
 const CONVERGED: SolverMode = SolverMode::Converged {
@@ -178,6 +178,66 @@ fn refining_the_time_step_converges_at_first_order() -> Result<()> {
     for pair in errors.windows(2) {
         let ratio = pair[0] / pair[1];
         assert!((1.95..2.3).contains(&ratio), "{errors:?}");
+    }
+    Ok(())
+}
+
+/// Pins and damped targets that move at a constant velocity carry the limb along at that velocity.
+#[test]
+fn bones_follow_moving_pins_and_targets() -> Result<()> {
+    let limb = Limb {
+        stations: 4,
+        layers: 1,
+        sectors: 4,
+        ..support::SMALL
+    };
+    let avatar = support::full_space_limb(&limb, 2, true);
+    let velocity = DVec3::new(0.3, -0.5, 0.2);
+    let spring = |damping| {
+        Some(Spring {
+            stiffness: 0.0,
+            damping,
+        })
+    };
+    for pinned in [true, false] {
+        let mut simulation = simulation(&avatar, Settings::default());
+        let instance = &mut simulation.instances_mut()[0];
+        instance.gravity = DVec3::ZERO;
+        let start = instance.state.frames[0];
+        if pinned {
+            instance.pins = vec![Pin {
+                bone: 0,
+                frame: start,
+            }];
+        } else {
+            instance.targets = vec![Tracking {
+                rotation: spring(100.0),
+                position: spring(1e4),
+                ..Tracking::new(0, start)
+            }];
+        }
+        for step in 1..=200 {
+            let instance = &mut simulation.instances_mut()[0];
+            let frame = Frame {
+                position: start.position + velocity * (0.01 * step as f64),
+                ..start
+            };
+            instance.pins.iter_mut().for_each(|p| p.frame = frame);
+            instance.targets.iter_mut().for_each(|t| t.frame = frame);
+            simulation.step_blocking()?;
+            let instance = &simulation.instances()[0];
+            if pinned {
+                assert_eq!(instance.state.frames[0], frame);
+            } else {
+                assert_eq!(instance.targets[0].previous, frame);
+            }
+        }
+        let instance = &simulation.instances()[0];
+        let (before, after) = (&instance.previous.frames, &instance.state.frames);
+        for (before, after) in before.iter().zip(after) {
+            let slip = (after.position - before.position) / 0.01 - velocity;
+            assert!(slip.length() < 1e-6, "pinned {pinned}: {slip} m/s");
+        }
     }
     Ok(())
 }

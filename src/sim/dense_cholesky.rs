@@ -180,24 +180,21 @@ impl<T: Real> Factor<T> {
     ) -> std::result::Result<(), usize> {
         self.matrix.fill(T::from_f64(0.0));
         for (block, (row, column)) in hessian.iter().zip(pattern.blocks()) {
+            let (r, c) = (3 * row, 3 * column);
             for j in 0..3 {
-                let c = 3 * column + j;
+                let out = &mut self.matrix.col_as_slice_mut(c + j)[r..r + 3];
                 for i in 0..3 {
-                    let r = 3 * row + i;
-                    if r >= c && !fixed[r] && !fixed[c] {
-                        let value = scaling[r] * block[3 * j + i] * scaling[c];
-                        self.matrix[(r, c)] = T::from_f64(value);
-                    }
+                    out[i] = T::from_f64(scaling[r + i] * block[3 * j + i] * scaling[c + j]);
                 }
             }
         }
+        for (dof, _) in fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+            self.matrix.row_mut(dof).fill(T::from_f64(0.0));
+            self.matrix.col_mut(dof).fill(T::from_f64(0.0));
+        }
         for (dof, &fixed) in fixed.iter().enumerate() {
-            let diagonal = self.matrix[(dof, dof)];
-            self.matrix[(dof, dof)] = if fixed {
-                T::from_f64(1.0)
-            } else {
-                diagonal + T::from_f64(shift)
-            };
+            let shift = if fixed { 1.0 } else { shift };
+            self.matrix[(dof, dof)] = self.matrix[(dof, dof)] + T::from_f64(shift);
         }
         factor::cholesky_in_place(
             self.matrix.as_mut(),

@@ -58,7 +58,9 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
                         gradient: gradients[k],
                     })
                 };
-                (0..4).filter_map(entry).collect::<Vec<_>>()
+                let mut entries: Vec<_> = (0..4).filter_map(entry).collect();
+                entries.sort_by_key(|e| e.handle);
+                entries
             })
             .collect(),
         position: centroids,
