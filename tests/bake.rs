@@ -3,12 +3,12 @@
 use glam::DVec3;
 use std::path::Path;
 use supple::bake::{
-    HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake, from_bytes, full_space,
-    read_avatar, to_bytes, write_avatar,
+    CubatureRecipe, HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake, from_bytes,
+    full_space, read_avatar, to_bytes, write_avatar,
 };
 use supple::math::Random;
 use supple::model::{Avatar, Body, PointSet, PoseBlend, SkinWeight};
-use supple::sample::{Finger, Limb};
+use supple::sample::{Finger, Limb, hand};
 use supple::{Error, glam};
 
 /// A limb small enough for a file of a few kilobytes.
@@ -467,4 +467,58 @@ fn a_layer_of_twenty_thousand_nodes_bakes_in_half_a_minute() {
     println!("{:?}\n{:?}", report.cubature, report.seconds);
     assert_eq!((report.nodes, report.handles), (20328, 87));
     assert!(start.elapsed().as_secs() < 30, "{:?}", report.seconds);
+}
+
+/// The sample hand: a lattice of 20,000 nodes, 87 handles over palm and pads, 700 points.
+#[test]
+fn the_sample_hand_bakes_in_half_a_minute() {
+    let sample = hand().unwrap();
+    let palmar = (0..)
+        .zip(&sample.palmar)
+        .filter(|(_, p)| **p)
+        .map(|(v, _)| v);
+    let recipe = Recipe {
+        handles: vec![HandleRegion {
+            vertices: palmar.collect(),
+            count: Some(87),
+            ..Default::default()
+        }],
+        cubature: CubatureRecipe {
+            points: Some(700),
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    let body = Body::of_model("hand", &sample.model, &[], sample.bones);
+    let start = std::time::Instant::now();
+    let (avatar, report) = bake(&body, &recipe, &mut |_| {}).unwrap();
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "{seconds:.1} s {}",
+        serde_json::to_string_pretty(&report).unwrap()
+    );
+    println!("{} bytes", to_bytes(&avatar).unwrap().len());
+    assert!(seconds < 30.0, "{:?}", report.seconds);
+    assert_eq!((report.handles, avatar.skeleton.len()), (87, 16));
+    assert!(
+        report.linear_precision < 1e-9,
+        "{:e}",
+        report.linear_precision
+    );
+    assert!((report.cubature.weight_sum / report.cubature.volume - 1.0).abs() < 1e-12);
+    assert!(!report.cubature.all_tets, "{:?}", report.cubature);
+    // Skin minus bones; the wrist's bones stick out of nothing, so both are closed surfaces.
+    let bones: f64 = body.bone_surfaces.iter().map(|b| b.volume()).sum();
+    let volume = body.skin.volume() - bones;
+    assert!(
+        (report.cubature.volume / volume - 1.0).abs() < 0.02,
+        "{} {volume}",
+        report.cubature.volume
+    );
+    assert_eq!(
+        (report.bones.from_surfaces, report.bones.raised),
+        (16, 0),
+        "{:?}",
+        report.bones
+    );
 }

@@ -74,6 +74,7 @@ pub fn bake(
     let system = BiharmonicSystem::new(mesh, &fixed, &handles.constraints)?;
     let columns = system.basis();
     let linear_precision = system.linear_precision(mesh, &columns);
+    let loose_tets = system.loose_tets();
     drop(system);
     if linear_precision.is_nan() || linear_precision > LINEAR_PRECISION {
         let problem = format!(
@@ -148,6 +149,7 @@ pub fn bake(
         skin_vertices: avatar.skin.len(),
         handles: avatar.handles.len(),
         linear_precision,
+        loose_tets,
         truncation_cost,
         handles_per_vertex: row_lengths(&avatar.skin.basis),
         handles_per_point: row_lengths(&avatar.cubature.basis),

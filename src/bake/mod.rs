@@ -1,13 +1,14 @@
 //! Offline: mesh → basis → cubature → one baked avatar.
 //!
 //! The phases, each a file: skin weights inside the layer (`interior`), handles (`handles`) and their
-//! biharmonic basis (`biharmonic`, `truncation`), cubature (`cubature`), values at the points
+//! biharmonic basis (`biharmonic_energy`, `biharmonic`, `truncation`), cubature (`cubature`), values at the points
 //! (`points`), bone masses (`bone_mass`). [`bake`] strings them together by a [`Recipe`], and `file`
 //! keeps the result.
 
 #[allow(clippy::module_inception)]
 mod bake;
 mod biharmonic;
+mod biharmonic_energy;
 mod bone_mass;
 mod core_volume;
 mod cubature;
@@ -15,6 +16,7 @@ mod file;
 mod full_space;
 mod handles;
 mod interior;
+mod loose_parts;
 pub mod mesh;
 mod mesher;
 mod points;
@@ -24,7 +26,8 @@ mod sampling;
 mod truncation;
 
 pub use bake::{PHASES, Progress, bake};
-pub use biharmonic::{BiharmonicSystem, Constraints, biharmonic_energy};
+pub use biharmonic::{BiharmonicSystem, Constraints};
+pub use biharmonic_energy::biharmonic_energy;
 pub use bone_mass::{BoneMassReport, bone_masses, surface_mass};
 pub use cubature::{Cubature, CubatureReport, Tissue};
 pub use file::{from_bytes, read_avatar, to_bytes, write_avatar};

@@ -28,6 +28,8 @@ pub struct BakeReport {
     /// Largest error of Σ U_h f(X_h) + bones' affine columns = f, over f = 1 and the coordinates in
     /// units of the layer's size, before truncation.
     pub linear_precision: f64,
+    /// Tets that hang on the rest by an edge or a corner, where the basis is a constant.
+    pub loose_tets: usize,
     /// Relative change of the basis by truncation; 0 where it is off.
     pub truncation_cost: f64,
     /// Handles of a skin vertex that has any: mean and most.

@@ -2,7 +2,7 @@
 //! depend on the order of unions.
 
 /// A partition of `0..count`.
-pub(super) struct DisjointSets {
+pub(crate) struct DisjointSets {
     parent: Vec<u32>,
 }
 
