@@ -60,7 +60,7 @@ fn symmetric_eigen(m: mat3x3<f32>) -> Eigen {
     return Eigen(d, mat3x3<f32>(v0, v1, v2));
 }
 
-// F = U diag(σ) Vᵀ with U and V rotations: the smallest σ carries the sign of det F.
+// F = U diag(σ) Vᵀ with U and V rotations: the smallest σ, the last, carries the sign of det F.
 struct SingularValues {
     u: mat3x3<f32>,
     sigma: vec3<f32>,
@@ -70,18 +70,11 @@ struct SingularValues {
 // Of F = I + H. The eigenvectors are those of Fᵀ F − I = H + Hᵀ + Hᵀ H, which keeps small strains.
 fn singular_values(h: mat3x3<f32>) -> SingularValues {
     let e = symmetric_eigen(h + transpose(h) + transpose(h) * h);
-    // The two largest, in order.
+    // The two largest, in any order.
     let last = select(select(2u, 1u, e.values.y <= e.values.z), 0u,
         e.values.x <= min(e.values.y, e.values.z));
-    var i = (last + 1u) % 3u;
-    var j = (last + 2u) % 3u;
-    if (e.values[i] < e.values[j]) {
-        let k = i;
-        i = j;
-        j = k;
-    }
-    let v0 = e.vectors[i];
-    let v1 = e.vectors[j];
+    let v0 = e.vectors[(last + 1u) % 3u];
+    let v1 = e.vectors[(last + 2u) % 3u];
     let v2 = cross(v0, v1);
     let f0 = v0 + h * v0;
     let f1 = v1 + h * v1;

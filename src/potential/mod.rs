@@ -53,7 +53,7 @@ impl Energies {
 }
 
 /// The potential at one state.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evaluation {
     /// E(q) − E(qⁿ), term by term.
     pub energies: Energies,

@@ -13,8 +13,6 @@ use wgpu::BufferUsages;
 
 /// Bytes between two chunks' uniforms: WebGPU's `min_uniform_buffer_offset_alignment`.
 pub(super) const CHUNK_STRIDE: u64 = 256;
-/// Bytes that the scratch buffer of one chunk of states may have.
-const SCRATCH_BYTES: u64 = 128 << 20;
 
 /// How many of what.
 #[derive(Clone, Copy, Debug)]
@@ -100,7 +98,8 @@ impl Buffers {
         ];
         let scratch = scratch.into_iter().max().unwrap_or(1).max(1) as u64;
         let limits = device.limits();
-        let room = SCRATCH_BYTES
+        let room = options
+            .scratch_bytes
             .min(limits.max_storage_buffer_binding_size)
             .min(limits.max_buffer_size);
         let capacity = Capacity {
@@ -223,14 +222,20 @@ impl Buffers {
             "unposed" => Some(self.cubature.unposed.raw()),
             "skin_unposed" => Some(self.skin.unposed.raw()),
             "drawn_unposed" => Some(self.drawn_unposed.raw()),
+            "pose_features" => Some(self.features.raw()),
+            "frames" => Some(self.frames.raw()),
+            "handles" => Some(self.handles.raw()),
+            "colliders" => Some(self.colliders.raw()),
             "motion" => Some(self.motion.raw()),
             "stress" => Some(self.stress.raw()),
             "tangent" => Some(self.tangent.raw()),
             "distances" => Some(self.distances.raw()),
             "contacts" => Some(self.contacts.raw()),
+            "block_contacts" => Some(self.block_contacts.raw()),
             "contact_rows" => Some(self.contact_rows.raw()),
             "point_gradients" => Some(self.point_gradients.raw()),
             "point_hessians" => Some(self.point_hessians.raw()),
+            "summaries" => Some(self.summaries.raw()),
             "skin_vertices" => Some(self.skin_vertices.raw()),
             _ => None,
         }

@@ -32,6 +32,8 @@ pub struct GpuOptions {
     pub contacts: usize,
     /// Trials of a line search that go in one submission; more take several.
     pub trials: usize,
+    /// Bytes that a scratch buffer may have; states that do not fit go through it in turns.
+    pub scratch_bytes: u64,
     /// Who drives the device while a readback is awaited.
     pub waiting: Waiting,
     /// The kernels' texts; `None` takes the library's own.
@@ -44,6 +46,7 @@ impl Default for GpuOptions {
             colliders: 8,
             contacts: 2048,
             trials: 8,
+            scratch_bytes: 128 << 20,
             waiting: Waiting::default(),
             sources: None,
         }

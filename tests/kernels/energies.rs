@@ -1,0 +1,141 @@
+//! The energy kernel: from the step's start, as an evaluation has it, and from any base, as a trial has it.
+
+use super::bound::{Comparison, Outcome, abs, abs_cofactor, abs_determinant, abs_trace};
+use super::contacts::distances;
+use super::points::mat9;
+use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, vec};
+use super::{INSTANCE, INSTANCES};
+use supple::glam::{DMat3, DVec3};
+use supple::math::double_dot;
+use supple::model::BasisEntry;
+use supple::reference::elasticity::displacement_gradient;
+use supple::reference::energy as twin;
+use supple::stage::shared;
+
+fn abs_gradient(basis: &[BasisEntry], handles: &[DVec3]) -> DMat3 {
+    basis
+        .iter()
+        .map(|u| {
+            let (phi, g) = (handles[u.handle as usize].abs(), u.gradient.abs());
+            DMat3::from_cols(phi * g.x, phi * g.y, phi * g.z)
+        })
+        .sum()
+}
+
+/// ΔΨ with all signs plus: see kernels/material/stable_neo_hookean.wgsl.
+fn abs_energy_difference(scene: &Scene, h: DMat3, d: DMat3) -> f64 {
+    let [mu, lambda, ..] = scene.avatar.material.parameters();
+    let f = DMat3::IDENTITY + h;
+    let higher = double_dot(f, abs_cofactor(d)) + abs_determinant(d);
+    let volume_difference = double_dot(abs_cofactor(f), d) + higher;
+    let volume = abs_trace(h) + abs_trace(abs_cofactor(h)) + abs_determinant(h);
+    let shear =
+        h + h.transpose() + DMat3::from_diagonal(DVec3::splat(abs_trace(h))) + abs_cofactor(h);
+    mu * (double_dot(shear, d) + 0.5 * double_dot(d, d) + higher)
+        + 0.5 * (lambda + mu) * volume_difference * (2.0 * volume + volume_difference)
+}
+
+/// Each term is a polynomial of the state of degree ≤ 6 (5 (n_h + 3) + 25 roundings, generously),
+/// then summed in trees: six levels over a workgroup, its partial sums over 64 lanes, six levels again.
+pub fn energy(scene: &Scene) -> Outcome {
+    energies(scene, Phase::Evaluated, INSTANCE, INSTANCE)?;
+    energies(scene, Phase::Compared, 0, INSTANCES + 1)
+}
+
+fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
+    let set = &scene.avatar.cubature;
+    let material = &scene.avatar.material;
+    let slot = phase.slot();
+    let from_start = base == INSTANCE;
+    let (phi, change) = scene.handles(phase, slot);
+    let (_, base_change) = scene.handles(phase, base);
+    let moved = scene.moved(phase, slot);
+    let base_moved = scene.moved(phase, base);
+    let start = scene.moved(phase, INSTANCE);
+    let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", INSTANCE, set.len());
+    let rate = scene.avatar.damping_time / TIME_STEP;
+
+    let (mut want, mut magnitude) = ([0.0; 5], [0.0; 5]);
+    let mut add = |term: usize, value: f64, size: f64| {
+        want[term] += value;
+        magnitude[term] += size;
+    };
+    let mut entries = 0;
+    for i in 0..set.len() {
+        let (weight, basis) = (set.measure[i], set.basis.row(i));
+        entries = entries.max(basis.len());
+        let mass = scene.avatar.density * weight;
+        let delta = vec(moved[i].displacement);
+        let predicted = vec(start[i].displacement);
+        let moved_before = if from_start {
+            DVec3::ZERO
+        } else {
+            vec(base_moved[i].displacement)
+        };
+        let residual = moved_before - predicted;
+        let abs_residual = moved_before.abs() + predicted.abs();
+        let size = delta.abs().dot(delta.abs() + 2.0 * abs_residual);
+        add(
+            0,
+            twin::inertia(mass, TIME_STEP, delta, residual),
+            0.5 * mass / (TIME_STEP * TIME_STEP) * size,
+        );
+        let size = mass * GRAVITY.abs().dot(delta.abs());
+        add(1, twin::gravity(mass, GRAVITY, delta), size);
+
+        let h = displacement_gradient(basis, &phi);
+        let d = displacement_gradient(basis, &change);
+        let (abs_h, abs_d) = (abs_gradient(basis, &phi), abs_gradient(basis, &change));
+        add(
+            2,
+            twin::elastic(material, weight, DMat3::IDENTITY + h, d),
+            weight * abs_energy_difference(scene, abs_h, abs_d),
+        );
+        let (mut before, mut abs_before) = (DMat3::ZERO, DMat3::ZERO);
+        if !from_start {
+            before = displacement_gradient(basis, &base_change);
+            abs_before = abs_gradient(basis, &base_change);
+        }
+        let tangent = mat9(&tangents[i]);
+        let abs_tangent = tangent.map(|row| row.map(f64::abs));
+        let damping = |t, d, before| twin::damping(weight, rate, t, d, before);
+        add(
+            3,
+            damping(&tangent, d, before),
+            damping(&abs_tangent, abs(abs_d), abs_before),
+        );
+    }
+    let (mut force, mut abs_force) = (DVec3::ZERO, DVec3::ZERO);
+    let pairs = distances(scene, phase, slot)
+        .into_iter()
+        .zip(distances(scene, phase, base));
+    for (k, ([x, y, z, depth], [.., before])) in pairs.enumerate() {
+        let (v, c) = (k / scene.colliders.len(), k % scene.colliders.len());
+        let stiffness = scene.colliders[c].stiffness * scene.avatar.skin.measure[v];
+        let (depth, before) = (f64::from(depth).max(0.0), f64::from(before).max(0.0));
+        let size = 0.5 * stiffness * (depth + before).powi(2);
+        add(4, twin::contact(stiffness, before, depth), size);
+        force += stiffness * depth * vec([x, y, z]);
+        abs_force += stiffness * depth * vec([x, y, z]).abs();
+    }
+
+    let summary: shared::Summary = scene.items(phase, "summaries", at, 1)[0];
+    let got = summary.energy;
+    let terms = [
+        got.inertia,
+        got.gravity,
+        got.elastic,
+        got.damping,
+        got.contact,
+    ];
+    let mut out = Comparison::default();
+    let roundings = 5 * (entries + 3) + 25 + 6 + 1 + 6;
+    for k in 0..5 {
+        out.number(f64::from(terms[k]), want[k], magnitude[k], roundings);
+        if want[k] == 0.0 {
+            return Err(format!("energy {k} of the twin is zero"));
+        }
+    }
+    out.vector(vec(got.force), force, abs_force, 3 + 5 + 13);
+    out.finish("energies")
+}

@@ -1,0 +1,45 @@
+//! Every kernel against its f64 twin, from the very numbers that the kernel read.
+
+pub mod bound;
+pub mod contacts;
+pub mod energies;
+pub mod points;
+pub mod scene;
+pub mod sums;
+
+use bound::Outcome;
+use scene::{Phase, Scene};
+
+/// A check of one kernel: its name, the part of the scene it looks at, and the comparison.
+pub type Check = (&'static str, fn(&Scene) -> Outcome);
+
+/// One check a kernel, in the order of the data.
+pub const CHECKS: &[Check] = &[
+    ("pose_blend", points::pose_blend),
+    ("displacement", points::displacement),
+    ("elasticity", points::elasticity),
+    ("contact", contacts::contact),
+    ("compact", contacts::compact),
+    ("gradient", sums::gradient),
+    ("point_hessian", sums::point_hessian),
+    ("hessian", sums::hessian),
+    ("energy", energies::energy),
+    ("skin", points::skin),
+    ("normals", points::normals),
+];
+
+/// The instance that is looked at: not the first, so that a kernel that forgets the instance is found.
+pub const INSTANCE: usize = 1;
+/// Instances of the batch.
+pub const INSTANCES: usize = 2;
+
+impl Phase {
+    /// Slot of the looked-at state.
+    pub fn slot(self) -> usize {
+        match self {
+            // The trial is the first state after the starts.
+            Self::Compared => INSTANCES,
+            Self::Evaluated | Self::Drawn => INSTANCES + INSTANCE,
+        }
+    }
+}

@@ -1,0 +1,369 @@
+//! A seeded random scene run on the device, and everything its kernels read and wrote.
+
+use super::{INSTANCE, INSTANCES};
+use bytemuck::AnyBitPattern;
+use std::collections::HashMap;
+use std::sync::Arc;
+use supple::Result;
+use supple::collider::{Collider, Shape};
+use supple::glam::{DMat3, DVec3};
+use supple::gpu::{AdapterChoice, GpuDevice};
+use supple::material::{Material, StableNeoHookean};
+use supple::math::{Random, Rows};
+use supple::model::{Avatar, BasisEntry, Frame, PointSet, SkinWeight, State};
+use supple::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
+use supple::reference::displacement::FrameMotion;
+use supple::sample::{random_avatar, random_state};
+use supple::stage::{GpuOptions, GpuPotential, Sources, shared};
+
+/// h: a power of two, so that its inverse is exact.
+pub const TIME_STEP: f64 = 1.0 / 128.0;
+pub const GRAVITY: DVec3 = DVec3::new(1.5, -2.25, 9.75);
+pub const OPTIONS_COLLIDERS: usize = 6;
+pub const OPTIONS_CONTACTS: usize = 600;
+
+/// When the buffers were looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Phase {
+    /// After evaluate.
+    Evaluated,
+    /// After energy_differences.
+    Compared,
+    /// After pose_skin.
+    Drawn,
+}
+
+const LOOKED_AT: &[(Phase, &[&str])] = &[
+    (
+        Phase::Evaluated,
+        &[
+            "pose_features",
+            "frames",
+            "handles",
+            "unposed",
+            "skin_unposed",
+            "motion",
+            "stress",
+            "tangent",
+            "distances",
+            "contacts",
+            "block_contacts",
+            "contact_rows",
+            "point_gradients",
+            "point_hessians",
+            "summaries",
+        ],
+    ),
+    (
+        Phase::Compared,
+        &["handles", "motion", "tangent", "distances", "summaries"],
+    ),
+    (
+        Phase::Drawn,
+        &[
+            "pose_features",
+            "frames",
+            "handles",
+            "drawn_unposed",
+            "skin_vertices",
+        ],
+    ),
+];
+
+/// What happened.
+pub struct Scene {
+    pub avatar: Arc<Avatar>,
+    pub pattern: BlockPattern,
+    /// Relative to the instance's origin and rounded, as the kernels got them.
+    pub colliders: Vec<Collider>,
+    pub evaluation: Evaluation,
+    buffers: HashMap<(Phase, &'static str), Vec<u8>>,
+}
+
+/// The software or hardware adapter of this machine.
+pub fn device() -> GpuDevice {
+    pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
+        "GPU tests need an adapter and never skip: install a Vulkan driver, \
+         for example the package mesa-vulkan-drivers",
+    )
+}
+
+impl Scene {
+    /// Runs the kernels of `sources` (the library's own if `None`).
+    pub fn run(gpu: &GpuDevice, seed: u64, sources: Option<Sources>) -> Result<Self> {
+        let avatar = Arc::new(avatar(seed));
+        let random = &mut Random::new(seed);
+        let options = GpuOptions {
+            colliders: OPTIONS_COLLIDERS,
+            contacts: OPTIONS_CONTACTS,
+            sources,
+            ..GpuOptions::default()
+        };
+        let mut potential =
+            GpuPotential::new(&gpu.device, &gpu.queue, avatar.clone(), INSTANCES, options)?;
+        let dofs = avatar.space().dofs();
+        let first_handle = 6 * avatar.skeleton.len();
+        let step = |random: &mut Random, size: f64| -> Vec<f64> {
+            let size = |dof| if dof < first_handle { size } else { 5.0 * size };
+            (0..dofs)
+                .map(|dof| random.uniform(-size(dof), size(dof)))
+                .collect()
+        };
+        // Handles far out: stretched, squeezed and inverted points, so that every negative eigenvalue occurs.
+        let mut previous: Vec<State> = (0..INSTANCES)
+            .map(|i| random_state(seed + i as u64, &avatar, 0.4, 2e-3))
+            .collect();
+        for state in &mut previous {
+            state.handles.iter_mut().for_each(|phi| *phi *= 40.0);
+        }
+        let mut moved = |states: &[State], size: f64| -> Vec<State> {
+            let steps = states.iter().map(|s| s.moved(&step(random, size), 1.0));
+            steps.collect()
+        };
+        let current = moved(&previous, 1e-3);
+        let state = moved(&current, 1e-3);
+        let trial = moved(&state, 5e-4);
+        let colliders: Vec<Vec<Collider>> = (current.iter().enumerate())
+            .map(|(i, q)| colliders(seed + i as u64, q.frames[0].position))
+            .collect();
+        let starts: Vec<_> = (0..INSTANCES)
+            .map(|i| StepStart {
+                time_step: TIME_STEP,
+                previous: &previous[i],
+                current: &current[i],
+                colliders: &colliders[i],
+                tissue_gravity: GRAVITY,
+            })
+            .collect();
+
+        let mut scene = Self {
+            pattern: potential.pattern().clone(),
+            colliders: Vec::new(),
+            evaluation: Evaluation::default(),
+            buffers: HashMap::new(),
+            avatar,
+        };
+        pollster::block_on(async {
+            let active = [true; INSTANCES];
+            let mut out = vec![Evaluation::default(); INSTANCES];
+            potential.begin_step(&starts, &active).await?;
+            potential.evaluate(&state, &active, &mut out).await?;
+            scene.evaluation = out.swap_remove(INSTANCE);
+            scene.look(&potential, Phase::Evaluated).await?;
+            let compared = Trial {
+                instance: INSTANCE,
+                base: &state[INSTANCE],
+                state: &trial[INSTANCE],
+            };
+            potential
+                .energy_differences(&[compared], &mut [0.0])
+                .await?;
+            scene.look(&potential, Phase::Compared).await?;
+            potential.pose_skin(&state).await?;
+            scene.look(&potential, Phase::Drawn).await
+        })?;
+        let origin = current[INSTANCE].frames[0].position;
+        scene.colliders = colliders[INSTANCE]
+            .iter()
+            .map(|c| rounded_collider(c.relative_to(origin)))
+            .collect();
+        Ok(scene)
+    }
+
+    async fn look(&mut self, potential: &GpuPotential, phase: Phase) -> Result<()> {
+        for (at, names) in LOOKED_AT {
+            if *at == phase {
+                for name in *names {
+                    let bytes = potential.intermediate(name).await?;
+                    self.buffers.insert((phase, name), bytes);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Items `[index · count, (index + 1) · count)` of a buffer.
+    pub fn items<T: AnyBitPattern>(
+        &self,
+        phase: Phase,
+        name: &'static str,
+        index: usize,
+        count: usize,
+    ) -> Vec<T> {
+        let size = size_of::<T>();
+        self.buffers[&(phase, name)][index * count * size..(index + 1) * count * size]
+            .chunks_exact(size)
+            .map(bytemuck::pod_read_unaligned)
+            .collect()
+    }
+
+    /// Frames of the state in `slot`.
+    pub fn frames(&self, phase: Phase, slot: usize) -> Vec<Frame> {
+        let frames: Vec<shared::Frame> =
+            self.items(phase, "frames", slot, self.avatar.skeleton.len());
+        let frame = |f: &shared::Frame| Frame {
+            rotation: mat(f.rotation),
+            position: vec(f.position),
+        };
+        frames.iter().map(frame).collect()
+    }
+
+    /// Their increments.
+    pub fn motions(&self, phase: Phase, slot: usize) -> Vec<FrameMotion> {
+        let frames: Vec<shared::Frame> =
+            self.items(phase, "frames", slot, self.avatar.skeleton.len());
+        let motion = |f: &shared::Frame| FrameMotion {
+            rotation: mat(f.rotation),
+            rotation_change: mat(f.rotation_increment),
+            translation_change: vec(f.position_increment),
+        };
+        frames.iter().map(motion).collect()
+    }
+
+    /// (φ_base, Δφ) of the state in `slot`.
+    pub fn handles(&self, phase: Phase, slot: usize) -> (Vec<DVec3>, Vec<DVec3>) {
+        let handles: Vec<shared::Handle> =
+            self.items(phase, "handles", slot, self.avatar.handles.len());
+        handles
+            .iter()
+            .map(|h| (vec(h.displacement), vec(h.increment)))
+            .unzip()
+    }
+
+    /// φ of the state in `slot`.
+    pub fn displaced(&self, phase: Phase, slot: usize) -> Vec<DVec3> {
+        let (base, increment) = self.handles(phase, slot);
+        base.iter().zip(&increment).map(|(b, i)| *b + *i).collect()
+    }
+
+    /// x̄ of the looked-at instance's `set`.
+    pub fn rest(&self, phase: Phase, name: &'static str, set: &PointSet) -> Vec<DVec3> {
+        let rest: Vec<[f32; 4]> = self.items(phase, name, INSTANCE, set.len());
+        rest.iter().map(|r| vec([r[0], r[1], r[2]])).collect()
+    }
+
+    /// What cubature points did in `slot`.
+    pub fn moved(&self, phase: Phase, slot: usize) -> Vec<shared::Motion> {
+        self.items(phase, "motion", slot, self.avatar.cubature.len())
+    }
+
+    /// J of all bones.
+    pub fn joints(&self) -> &[DVec3] {
+        &self.avatar.skeleton.joints
+    }
+}
+
+pub fn vec(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+pub fn mat(m: shared::Mat3) -> DMat3 {
+    let [x, y, z] = m.map(|c| vec([c[0], c[1], c[2]]));
+    DMat3::from_cols(x, y, z)
+}
+
+fn single(x: f64) -> f64 {
+    f64::from(x as f32)
+}
+
+fn single_vec(v: DVec3) -> DVec3 {
+    v.as_vec3().as_dvec3()
+}
+
+/// A random avatar whose numbers are exact in f32, some points naming their bones in falling order.
+pub fn avatar(seed: u64) -> Avatar {
+    let mut avatar = random_avatar(seed, 5, 9, 90, 150);
+    avatar.damping_time = 1.0 / 64.0;
+    // Compressible, so that terms of the volume do not hide those of the shape.
+    avatar.material = Material::StableNeoHookean(StableNeoHookean {
+        youngs_modulus: 3e4,
+        poissons_ratio: 0.1,
+    });
+    for joint in &mut avatar.skeleton.joints {
+        *joint = single_vec(*joint);
+    }
+    for set in [&mut avatar.cubature, &mut avatar.skin] {
+        set.position.iter_mut().for_each(|x| *x = single_vec(*x));
+        set.measure.iter_mut().for_each(|m| *m = single(*m));
+        let weight = |w: &SkinWeight| SkinWeight {
+            weight: single(w.weight),
+            ..*w
+        };
+        let entry = |u: &BasisEntry| BasisEntry {
+            value: single(u.value),
+            gradient: single_vec(u.gradient),
+            ..*u
+        };
+        set.skinning = some_reversed(&set.skinning.map(weight));
+        set.basis = set.basis.map(entry);
+    }
+    avatar
+}
+
+fn some_reversed(rows: &Rows<SkinWeight>) -> Rows<SkinWeight> {
+    let row = |(i, row): (usize, &[SkinWeight])| {
+        let mut row = row.to_vec();
+        if i % 3 == 1 {
+            row.reverse();
+        }
+        row
+    };
+    rows.iter().enumerate().map(row).collect()
+}
+
+/// One collider of every shape, set so that parts of the skin touch it.
+fn colliders(seed: u64, origin: DVec3) -> Vec<Collider> {
+    let random = &mut Random::new(seed ^ 0x5eed);
+    let collider = |shape: Shape| {
+        let offset = match shape {
+            Shape::HalfSpace => DVec3::ZERO,
+            _ => random.vector(0.03),
+        };
+        let frame = Frame {
+            rotation: random.rotation(3.0),
+            position: origin + offset,
+        };
+        Collider {
+            shape: rounded_shape(shape),
+            frame,
+            previous: frame,
+            stiffness: single(random.uniform(1e6, 2e6)),
+            margin: single(random.uniform(2e-3, 6e-3)),
+        }
+    };
+    Shape::examples().into_iter().map(collider).collect()
+}
+
+fn rounded_shape(shape: Shape) -> Shape {
+    match shape {
+        Shape::HalfSpace => Shape::HalfSpace,
+        Shape::Sphere { radius } => Shape::Sphere {
+            radius: single(radius),
+        },
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => Shape::Capsule {
+            radius: single(radius),
+            half_length: single(half_length),
+        },
+        Shape::Cylinder {
+            radius,
+            half_length,
+        } => Shape::Cylinder {
+            radius: single(radius),
+            half_length: single(half_length),
+        },
+        Shape::Box { half_extents } => Shape::Box {
+            half_extents: half_extents.map(single),
+        },
+    }
+}
+
+fn rounded_collider(c: Collider) -> Collider {
+    let frame = Frame {
+        rotation: c.frame.rotation.as_mat3().as_dmat3(),
+        position: single_vec(c.frame.position),
+    };
+    Collider { frame, ..c }
+}

@@ -1,0 +1,181 @@
+//! Parity is worth something only if it can fail: every edit here breaks one kernel, and the parity of that
+//! kernel must notice.
+#![cfg(feature = "gpu")]
+
+mod kernels;
+
+use kernels::CHECKS;
+use kernels::scene::{Scene, avatar, device};
+use supple::stage::Sources;
+use supple::{Error, GpuError};
+
+/// (check that must fail, file, text that occurs once, its replacement)
+type Mutant = (&'static str, &'static str, &'static str, &'static str);
+
+#[rustfmt::skip]
+const MUTANTS: &[Mutant] = &[
+    // pose_blend
+    ("pose_blend", "pose_blend.wgsl", "points[i].position + x", "points[i].position - x"),
+    ("pose_blend", "pose_blend.wgsl", "pose_features[at * constants.features + k]", "pose_features[k]"),
+    ("pose_blend", "pose_blend.wgsl", "pose_columns[c + 2u]", "pose_columns[c + 1u]"),
+    ("pose_blend", "pose_blend.wgsl", "var k = 0u", "var k = 1u"),
+    ("pose_blend", "pose_blend.wgsl", "batch[at].instance * constants.points + i", "i"),
+    // displacement
+    ("displacement", "displacement.wgsl", "t_base - frames[f].joint", "t_base + frames[f].joint"),
+    ("displacement", "displacement.wgsl", "frames[f].rotation * t_increment", "t_increment * frames[f].rotation"),
+    ("displacement", "displacement.wgsl", "+ frames[f].position_increment", ""),
+    ("displacement", "displacement.wgsl", "t_increment += u.weight * phi.increment", "t_increment += phi.increment"),
+    ("displacement", "displacement.wgsl", "t_base += u.weight * phi.displacement", "t_base -= u.weight * phi.displacement"),
+    ("displacement", "displacement.wgsl", "state.slot * constants.bones + w.index", "w.index"),
+    ("displacement", "displacement.wgsl", "Motion(d, t_base + t_increment)", "Motion(d, t_base)"),
+    ("displacement", "displacement.wgsl", "unposed[state.instance * constants.points + i]", "unposed[i]"),
+    // elasticity
+    ("elasticity", "elasticity.wgsl", "outer(phi.displacement + phi.increment, u.gradient)", "outer(u.gradient, phi.displacement + phi.increment)"),
+    ("elasticity", "elasticity.wgsl", "outer(phi.displacement + phi.increment, u.gradient)", "outer(phi.displacement, u.gradient)"),
+    ("elasticity", "elasticity.wgsl", "p += state.damping_rate", "p -= state.damping_rate"),
+    ("elasticity", "elasticity.wgsl", "add_scaled(c, state.damping_rate, start)", "add_scaled(c, 0.5 * state.damping_rate, start)"),
+    ("elasticity", "elasticity.wgsl", "tangent[state.instance * constants.points + i];", "tangent[i];"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "return trace(h) + trace(cofactor(h)) + det(h)", "return trace(h) + trace(cofactor(h)) - det(h)"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "h + transpose(h) - trace(h) * identity()", "h + transpose(h) + trace(h) * identity()"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "+ ((lambda + mu) * volume_change(h))", "+ (lambda * volume_change(h))"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "kappa * outer(a[1], a[0]) + p * skew(f[2])", "kappa * outer(a[1], a[0]) - p * skew(f[2])"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "kappa * outer(a[2], a[0]) - p * skew(f[1])", "kappa * outer(a[2], a[0]) - p * skew(f[0])"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "min(mu + p * svd.sigma[k], 0.0)", "min(mu + p * svd.sigma[i], 0.0)"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "add_mode(c, -twist, ij - ji)", "add_mode(c, twist, ij - ji)"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "add_mode(c, -flip, ij + ji)", "add_mode(c, -flip, ij - ji)"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "let kappa = constants.material.y + mu", "let kappa = constants.material.y - mu"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "c = add_mode(c, -scaling.values[k], mode)", "c = add_mode(c, scaling.values[k], mode)"),
+    ("elasticity", "shared/decomposition.wgsl", "let theta = (qq - pp)", "let theta = (pp - qq)"),
+    ("elasticity", "shared/decomposition.wgsl", "h + transpose(h) + transpose(h) * h", "h + transpose(h)"),
+    ("elasticity", "shared/decomposition.wgsl", "dot(u2, f2)", "abs(dot(u2, f2))"),
+    ("elasticity", "shared/tensor.wgsl", "c.c10 * a[0] + c.c11 * a[1] + a[2] * c.c21", "c.c10 * a[0] + c.c11 * a[1] + c.c21 * a[2]"),
+    // contact
+    ("contact", "contact.wgsl", "(p - collider.position) * collider.rotation", "collider.rotation * (p - collider.position)"),
+    ("contact", "contact.wgsl", "collider.margin - d.distance", "d.distance - collider.margin"),
+    ("contact", "contact.wgsl", "vec4(collider.rotation * d.normal", "vec4(d.normal"),
+    ("contact", "contact.wgsl", "colliders[state.instance * constants.colliders + k]", "colliders[k]"),
+    ("contact", "shared/point_motion.wgsl", "unposed - frames[f].joint", "unposed + frames[f].joint"),
+    ("contact", "shared/point_motion.wgsl", "phi.displacement + phi.increment", "phi.displacement"),
+    ("contact", "shared/point_motion.wgsl", "+ frames[f].position);", ");"),
+    ("contact", "collider/half_space.wgsl", "p.z", "p.y"),
+    ("contact", "collider/sphere.wgsl", "ball.distance - parameters.x", "ball.distance + parameters.x"),
+    ("contact", "collider/capsule.wgsl", "clamp(p.z, -parameters.y, parameters.y)", "clamp(p.z, -parameters.x, parameters.x)"),
+    ("contact", "collider/cylinder.wgsl", "abs(p.z) - parameters.y", "abs(p.z) - parameters.x"),
+    ("contact", "collider/cylinder.wgsl", "if (q.x > q.y)", "if (q.x < q.y)"),
+    ("contact", "collider/box.wgsl", "out.normal * side", "out.normal"),
+    ("contact", "collider/box.wgsl", "abs(p) - parameters.xyz", "abs(p) - parameters.zyx"),
+    ("contact", "shared/contact.wgsl", "slot * constants.points * constants.colliders", "slot * constants.points"),
+    // compact
+    ("compact", "compact.wgsl", "count += u32(distances[first + pair].w > 0.0)", "count += u32(distances[first + pair].w > 1e-3)"),
+    ("compact", "compact.wgsl", "let vertex = pair / state.colliders", "let vertex = pair % state.colliders"),
+    ("compact", "compact.wgsl", "k * points[vertex].measure", "k"),
+    ("compact", "compact.wgsl", "return counts[lane] - count", "return counts[lane]"),
+    ("compact", "compact.wgsl", "w.weight * cross(frames[f].rotation * (t - frames[f].joint), n)", "w.weight * cross(n, frames[f].rotation * (t - frames[f].joint))"),
+    ("compact", "compact.wgsl", "(n * frames[f].rotation)", "(frames[f].rotation * n)"),
+    ("compact", "compact.wgsl", "= u.weight * unposed_normal", "= unposed_normal"),
+    ("compact", "compact.wgsl", "k * 256u + place - 1u", "k * 256u + place"),
+    ("compact", "compact.wgsl", "(8u * (block % 4u))", "(8u * (block % 3u))"),
+    // gradient
+    ("gradient", "gradient.wgsl", "moved.displacement - target_displacement", "moved.displacement + target_displacement"),
+    ("gradient", "gradient.wgsl", "- state.gravity", "+ state.gravity"),
+    ("gradient", "gradient.wgsl", "let mass = constants.density * point.measure", "let mass = constants.density"),
+    ("gradient", "gradient.wgsl", "(force * frames[f].rotation)", "(frames[f].rotation * force)"),
+    ("gradient", "gradient.wgsl", "+ weighted_stress * g", "- weighted_stress * g"),
+    ("gradient", "gradient.wgsl", "cross(frames[f].rotation * (moved.unposed - frames[f].joint), force)", "cross(moved.unposed - frames[f].joint, force)"),
+    ("gradient", "gradient.wgsl", "sum -= (contact.stiffness * contact.depth) * row", "sum += (contact.stiffness * contact.depth) * row"),
+    ("gradient", "gradient.wgsl", "entry % 256u", "0u"),
+    ("gradient", "gradient.wgsl", "width = 32u", "width = 16u"),
+    ("gradient", "gradient.wgsl", "group.y * constants.local_blocks;", "0u;"),
+    // point_hessian
+    ("point_hessian", "point_hessian.wgsl", "j = -w.weight * skew", "j = w.weight * skew"),
+    ("point_hessian", "point_hessian.wgsl", "constants.density * point.measure * state.mass_rate", "constants.density * state.mass_rate"),
+    ("point_hessian", "point_hessian.wgsl", "let g = point.measure * basis_gradient[b]", "let g = basis_gradient[b]"),
+    ("point_hessian", "point_hessian.wgsl", "g.x * c.c00 + g.y * transpose(c.c10)", "g.x * c.c00 + g.y * c.c10"),
+    ("point_hessian", "point_hessian.wgsl", "g.x * y0 + g.y * y1 + g.z * y2", "g.x * y0 + g.z * y1 + g.y * y2"),
+    ("point_hessian", "point_hessian.wgsl", "= transpose(h);", "= h;"),
+    ("point_hessian", "point_hessian.wgsl", "transpose(jacobian[a]) * j", "jacobian[a] * j"),
+    ("point_hessian", "point_hessian.wgsl", "half + u32(blocks % 2u == 1u || b < half)", "half"),
+    ("point_hessian", "point_hessian.wgsl", "j += w.weight * frames", "j -= w.weight * frames"),
+    // hessian
+    ("hessian", "hessian.wgsl", "sum += transpose(h)", "sum += h"),
+    ("hessian", "hessian.wgsl", "let first = id.y * constants.local_pairs", "let first = 0u"),
+    ("hessian", "hessian.wgsl", "contacts[at_contact].stiffness * select(here, there, by_row)", "select(here, there, by_row)"),
+    ("hessian", "hessian.wgsl", "select(there, here, by_row)", "select(here, there, by_row)"),
+    ("hessian", "hessian.wgsl", "contact_rows[rows + place - 1u]", "contact_rows[rows + place]"),
+    ("hessian", "hessian.wgsl", "select(block.row, block.column, by_row)", "block.column"),
+    ("hessian", "hessian.wgsl", "k <= contacts_of_list", "k < contacts_of_list"),
+    // energy
+    ("energy", "energy.wgsl", "dot(delta, delta + 2.0 * e)", "dot(delta, delta + e)"),
+    ("energy", "energy.wgsl", "var e = -motion", "var e = motion"),
+    ("energy", "energy.wgsl", "out.gravity = -mass", "out.gravity = mass"),
+    ("energy", "energy.wgsl", "increment + 2.0 * base_increment", "increment + base_increment"),
+    ("energy", "energy.wgsl", "(depth - base_depth) * (depth + base_depth)", "(depth - base_depth) * (depth - base_depth)"),
+    ("energy", "energy.wgsl", "h += outer(phi.displacement, u.gradient)", "h += outer(phi.displacement + phi.increment, u.gradient)"),
+    ("energy", "energy.wgsl", "let from_start = !is_start(state.base, state.instance)", "let from_start = true"),
+    ("energy", "energy.wgsl", "mine.force += stiffness * depth * here.xyz", "mine.force -= stiffness * depth * here.xyz"),
+    ("energy", "energy.wgsl", "constants.point_groups + group.x] = sum", "group.x] = sum"),
+    ("energy", "material/stable_neo_hookean.wgsl", "0.5 * double_dot(d, d) - s", "0.5 * double_dot(d, d) + s"),
+    ("energy", "material/stable_neo_hookean.wgsl", "(2.0 * volume_change(h) + dj)", "(volume_change(h) + dj)"),
+    // skin
+    ("skin", "skin.wgsl", "unposed[at]", "unposed[i]"),
+    ("skin", "skin.wgsl", "skinned_position(point, t, state.slot * constants.bones)", "skinned_position(point, t, 0u)"),
+    ("skin", "shared/point_motion.wgsl", "t += u.weight", "t -= u.weight"),
+    // normals
+    ("normals", "normals.wgsl", "n += cross", "n -= cross"),
+    ("normals", "normals.wgsl", "skin_vertices[first + edge.y].position - v)", "skin_vertices[first + edge.y].position)"),
+    ("normals", "normals.wgsl", "var k = fan_rows[i]", "var k = fan_rows[i] + 1u"),
+    ("normals", "normals.wgsl", "n / length", "n"),
+];
+
+#[test]
+fn parity_notices_every_mutant() {
+    let gpu = device();
+    let mut survivors = Vec::new();
+    for (number, &(name, path, from, to)) in MUTANTS.iter().enumerate() {
+        let (_, check) = (CHECKS.iter())
+            .find(|(check, _)| *check == name)
+            .unwrap_or_else(|| panic!("there is no check `{name}`"));
+        let mutant = format!("{number}: {path}: `{from}` → `{to}`");
+        let noticed = [1, 2].into_iter().any(|seed| {
+            let material = avatar(seed).material;
+            let sources = Sources::new(&material)
+                .edited(path, from, to)
+                .unwrap_or_else(|e| panic!("{mutant}: {e}"));
+            match Scene::run(&gpu, seed, Some(sources)) {
+                Ok(scene) => check(&scene).is_err(),
+                Err(error @ Error::Gpu(GpuError::Shader { .. })) => panic!("{mutant}: {error}"),
+                // Not finite, or more contacts than there is room for: nobody could overlook that.
+                Err(_) => true,
+            }
+        });
+        if !noticed {
+            survivors.push(mutant);
+        }
+    }
+    assert!(
+        survivors.is_empty(),
+        "not noticed:\n{}",
+        survivors.join("\n")
+    );
+}
+
+#[test]
+fn every_kernel_has_mutants() {
+    for (name, _) in CHECKS {
+        let count = MUTANTS.iter().filter(|(check, ..)| check == name).count();
+        assert!(count >= 3, "{name} has {count}");
+    }
+    let material = avatar(1).material;
+    for path in Sources::new(&material).paths() {
+        let mutated = MUTANTS.iter().any(|(_, file, ..)| *file == path);
+        let declarations_only = [
+            "shared/batch.wgsl",
+            "shared/kinematics.wgsl",
+            "shared/distance.wgsl",
+        ];
+        assert!(
+            mutated || declarations_only.contains(&path),
+            "{path} has no mutant"
+        );
+    }
+}
