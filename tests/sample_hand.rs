@@ -215,6 +215,23 @@ fn its_triangles_are_even() {
 
 #[test]
 fn fingers_stay_apart() {
+    // Half way between neighbours, from beyond the web to the tips, there is air.
+    let joints = hand().model.joints(&hand().model.template);
+    let at = |digit: usize, segment: usize, fraction: f64| {
+        let j = 1 + 3 * digit + segment;
+        joints[j].lerp(joints[j + 1], fraction)
+    };
+    let surface = skin();
+    for (a, b) in [(0, 1), (1, 3), (3, 2), (4, 0)] {
+        for (segment, fraction) in [(0, 0.75), (1, 0.0), (1, 0.5), (1, 1.0)] {
+            if a == 4 && segment == 0 {
+                continue; // the thumb's metacarpal lies in the palm
+            }
+            let middle = 0.5 * (at(a, segment, fraction) + at(b, segment, fraction));
+            let inside = winding_number(middle, &surface).abs();
+            assert!(inside < 1e-6, "digits {a} and {b} are fused at {middle}");
+        }
+    }
     // From no point of the skin does the outward normal meet the skin again within 2 mm.
     let skin = skin();
     let grid = Grid::new(&skin, 5e-3);
