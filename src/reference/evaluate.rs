@@ -107,7 +107,7 @@ impl Instance {
             return Err(Error::invalid(
                 "contact_capacity",
                 format!(
-                    "{} contacts are active, room is for {}",
+                    "{} contacts are active, room is for {}: raise the capacity",
                     evaluation.contacts, asset.contact_capacity
                 ),
             ));

@@ -121,3 +121,69 @@ pub fn gather_contacts(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Random;
+    use crate::potential::BlockPattern;
+    use crate::reference::Points;
+    use crate::reference::point_hessian::{PointTerms, point_hessian};
+    use crate::sample::random_avatar;
+
+    #[test]
+    fn blocks_made_in_place_are_the_stored_ones() {
+        let avatar = random_avatar(2, 3, 9, 15, 12);
+        let space = avatar.space();
+        let points = Points::new(
+            "cubature",
+            space,
+            &avatar.cubature.skinning,
+            &avatar.cubature.basis,
+        )
+        .unwrap();
+        let pattern = BlockPattern::new(space, &[&avatar.cubature]);
+        let incidence = points.incidence(&pattern);
+        let random = &mut Random::new(3);
+        let terms: Vec<PointTerms> = (0..points.len())
+            .map(|_| PointTerms {
+                inertia: random.uniform(0.5, 1.0),
+                force: random.vector(1.0),
+                pulled_force: random.vector(1.0),
+                stress: random.matrix(1.0),
+                blended: random.matrix(1.0),
+                metric: random.matrix(1.0),
+            })
+            .collect();
+        let arms: Vec<_> = (0..points.skinning.entries().len())
+            .map(|_| random.vector(1.0))
+            .collect();
+        let stiffness: Vec<_> = (0..points.basis.entries().len())
+            .map(|_| [random.matrix(1.0), random.matrix(1.0), random.matrix(1.0)])
+            .collect();
+        let view = |i: usize| PointView {
+            terms: &terms[i],
+            skinning: points.skinning.row(i),
+            arms: &arms[points.skinning.range(i)],
+            basis: points.basis.row(i),
+            stiffness: &stiffness[points.basis.range(i)],
+        };
+        let stored: Vec<Vec<DMat3>> = (0..points.len())
+            .map(|i| {
+                let count = incidence.blocks(i).len();
+                let mut out = vec![DMat3::NAN; count * (count + 1) / 2];
+                point_hessian(&view(i), &mut out);
+                out
+            })
+            .collect();
+        for row in 0..space.blocks() {
+            let width = pattern.columns().row(row).len();
+            let (mut direct, mut gathered) = (vec![[0.0; 9]; width], vec![[0.0; 9]; width]);
+            let mut force = DVec3::ZERO;
+            gather_points(&incidence, row, view, &mut force, &mut direct);
+            gather_blocks(&incidence, row, |i| &stored[i], &mut gathered);
+            assert_eq!(direct, gathered);
+            assert!(force.is_finite());
+        }
+    }
+}
