@@ -159,12 +159,14 @@ impl Hyperelastic for StableNeoHookean {
                     };
             }
         }
-        let (values, vectors) = symmetric_eigen(DMat3::from_cols_array_2d(&scaling));
-        for k in 0..3 {
-            if values[k] < 0.0 {
-                let a = vectors.col(k);
-                let direction = a.x * mode(0, 0) + a.y * mode(1, 1) + a.z * mode(2, 2);
-                remove(&mut c, values[k], direction);
+        if !is_positive_definite(&scaling) {
+            let (values, vectors) = symmetric_eigen(DMat3::from_cols_array_2d(&scaling));
+            for k in 0..3 {
+                if values[k] < 0.0 {
+                    let a = vectors.col(k);
+                    let direction = a.x * mode(0, 0) + a.y * mode(1, 1) + a.z * mode(2, 2);
+                    remove(&mut c, values[k], direction);
+                }
             }
         }
         c
@@ -178,6 +180,12 @@ impl Hyperelastic for StableNeoHookean {
     fn kernel(&self) -> &'static str {
         "material/stable_neo_hookean.wgsl"
     }
+}
+
+/// Sylvester's criterion, which spares most points the eigenvalues.
+fn is_positive_definite(m: &[[f64; 3]; 3]) -> bool {
+    let minor = m[0][0] * m[1][1] - m[0][1] * m[0][1];
+    m[0][0] > 0.0 && minor > 0.0 && DMat3::from_cols_array_2d(m).determinant() > 0.0
 }
 
 /// C −= eigenvalue · q qᵀ.

@@ -6,35 +6,39 @@ use glam::{DMat3, DVec3};
 ///
 /// Cyclic Jacobi; Golub and Van Loan, Matrix Computations, §8.5.
 pub fn symmetric_eigen(a: DMat3) -> (DVec3, DMat3) {
-    let mut a = a.to_cols_array_2d();
-    let mut v = DMat3::IDENTITY.to_cols_array_2d();
+    let mut diagonal = [a.x_axis.x, a.y_axis.y, a.z_axis.z];
+    // Entry k is the one that neither row nor column k holds.
+    let mut off = [a.y_axis.z, a.x_axis.z, a.x_axis.y];
+    let mut vectors = [DVec3::X, DVec3::Y, DVec3::Z];
     for _ in 0..30 {
-        let off = a[0][1].powi(2) + a[0][2].powi(2) + a[1][2].powi(2);
-        let on = a[0][0].powi(2) + a[1][1].powi(2) + a[2][2].powi(2);
-        if off <= 1e-34 * on || off == 0.0 {
+        let size = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if size(&off) <= 1e-33 * size(&diagonal) {
             break;
         }
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q] == 0.0 {
+        for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
+            let between = off[r];
+            if between == 0.0 {
                 continue;
             }
-            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
-            let c = 1.0 / t.hypot(1.0);
+            // The smaller root t of t² + 2θt = 1, θ = (a_qq − a_pp)/(2 a_pq): the tangent of the angle.
+            let gap = diagonal[q] - diagonal[p];
+            let twice = 2.0 * between * gap.signum();
+            let t = twice / (gap.abs() + (gap * gap + 4.0 * between * between).sqrt());
+            let c = (t * t + 1.0).sqrt().recip();
             let s = t * c;
-            for k in 0..3 {
-                (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-                (v[p][k], v[q][k]) = (c * v[p][k] - s * v[q][k], s * v[p][k] + c * v[q][k]);
-            }
-            for k in 0..3 {
-                (a[k][p], a[k][q]) = (c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);
-            }
+            diagonal[p] -= t * between;
+            diagonal[q] += t * between;
+            off[r] = 0.0;
+            // a_rp is off[q], a_rq is off[p].
+            (off[q], off[p]) = (c * off[q] - s * off[p], s * off[q] + c * off[p]);
+            (vectors[p], vectors[q]) = (
+                vectors[p] * c - vectors[q] * s,
+                vectors[p] * s + vectors[q] * c,
+            );
         }
     }
-    (
-        DVec3::new(a[0][0], a[1][1], a[2][2]),
-        DMat3::from_cols_array_2d(&v),
-    )
+    let [x, y, z] = vectors;
+    (DVec3::from_array(diagonal), DMat3::from_cols(x, y, z))
 }
 
 /// F = U diag(σ) Vᵀ with U and V rotations: the smallest σ carries the sign of det F.

@@ -49,16 +49,16 @@ pub trait Basis: Copy + Send + Sync {
         (0..3).map(|l| g[l].transpose() * stress.col(l)).sum()
     }
 
-    /// C : ∂N/∂X for a symmetric C: column l of the stress made by φ is `[l] φ`.
+    /// (∂N/∂X)ᵀ : C for a symmetric C: the force on the handle is Σ_l `[l]` ΔF_l over the columns of ΔF.
     fn stiffness(&self, c: &Mat9) -> [DMat3; 3] {
         let g = self.gradient();
-        std::array::from_fn(|l| (0..3).map(|m| block(c, l, m) * g[m]).sum())
+        std::array::from_fn(|l| (0..3).map(|m| g[m].transpose() * block(c, m, l)).sum())
     }
 
-    /// (∂N/∂X)ᵀ : S with S a [`Basis::stiffness`].
+    /// S : ∂N/∂X with S the [`Basis::stiffness`] of another handle.
     fn contract(&self, stiffness: &[DMat3; 3]) -> DMat3 {
         let g = self.gradient();
-        (0..3).map(|l| g[l].transpose() * stiffness[l]).sum()
+        (0..3).map(|l| stiffness[l] * g[l]).sum()
     }
 }
 
@@ -121,9 +121,10 @@ impl Basis for BasisEntry {
         // C is symmetric: its rows are read as columns, which are contiguous.
         std::array::from_fn(|l| {
             let column = |k: usize| {
-                (0..3)
-                    .map(|m| g[m] * DVec3::from_slice(&c[3 * m + k][3 * l..3 * l + 3]))
-                    .sum()
+                let row = &c[3 * l + k];
+                DVec3::from_array(std::array::from_fn(|i| {
+                    g[0] * row[i] + g[1] * row[3 + i] + g[2] * row[6 + i]
+                }))
             };
             DMat3::from_cols(column(0), column(1), column(2))
         })

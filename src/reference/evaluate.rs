@@ -9,7 +9,7 @@ use super::hessian::{ContactRows, gather_contacts, gather_points};
 use super::point_hessian::{PointTerms, PointView};
 use super::step::{POINT_GRAIN, Step};
 use super::{Basis, Motion, compact::compact, elasticity, energy};
-use crate::math::{RowsMut, Stopwatch, Strided, par_split};
+use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_split};
 use crate::model::State;
 use crate::potential::{Energies, Evaluation, EvaluationTimings, StepStart};
 use crate::{Error, Result};
@@ -33,7 +33,7 @@ pub(super) struct Instance {
     pub timings: EvaluationTimings,
     terms: Vec<PointTerms>,
     arms: Vec<DVec3>,
-    stiffness: Vec<[DMat3; 3]>,
+    tangents: Vec<Mat9>,
     contacts: Vec<Contact>,
     levers: Vec<DVec3>,
     contact_rows: ContactRows,
@@ -54,7 +54,7 @@ impl Instance {
             timings: EvaluationTimings::default(),
             terms: vec![PointTerms::default(); points],
             arms: vec![DVec3::ZERO; asset.cubature.skinning.entries().len()],
-            stiffness: vec![[DMat3::ZERO; 3]; asset.cubature.basis.entries().len()],
+            tangents: vec![[[0.0; 9]; 9]; points],
             contacts: Vec::with_capacity(asset.contact_capacity),
             levers: Vec::with_capacity(asset.contact_capacity * asset.lever_stride),
             contact_rows: ContactRows::default(),
@@ -130,11 +130,11 @@ impl Instance {
             &mut self.terms[..],
             &mut self.energies[..],
             RowsMut::new(asset.cubature.skinning.offsets(), &mut self.arms),
-            RowsMut::new(asset.cubature.basis.offsets(), &mut self.stiffness),
+            &mut self.tangents[..],
         );
         par_split(asset.cubature.len(), POINT_GRAIN, parts, |i, parts| {
-            let (terms, energies, arms, stiffness) = parts;
-            (*terms, *energies) = evaluate_point(asset, step, motion, i, arms, stiffness);
+            let (terms, energies, arms, tangent) = parts;
+            (*terms, *energies) = evaluate_point(asset, step, motion, i, arms, tangent);
         });
     }
 
@@ -175,7 +175,7 @@ impl Instance {
             skinning: points.skinning.row(i),
             arms: &self.arms[points.skinning.range(i)],
             basis: points.basis.row(i),
-            stiffness: &self.stiffness[points.basis.range(i)],
+            tangent: &self.tangents[i],
         };
         let parts = (
             &mut self.gradient[..],
@@ -206,7 +206,7 @@ fn evaluate_point<B: Basis>(
     motion: &Motion,
     i: usize,
     point_arms: &mut [DVec3],
-    stiffness: &mut [[DMat3; 3]],
+    tangent: &mut Mat9,
 ) -> (PointTerms, Energies) {
     let avatar = &*asset.avatar;
     let (material, joints) = (&avatar.material, &avatar.skeleton.joints);
@@ -231,10 +231,7 @@ fn evaluate_point<B: Basis>(
     let f_change = elasticity::displacement_gradient(basis, changes);
     let damping = step.damping(i, f_change);
     let stress = elasticity::stress(material, f_start + f_change, damping);
-    let tangent = elasticity::tangent(material, f_start + f_change, damping, weight);
-    for (out, n) in stiffness.iter_mut().zip(basis) {
-        *out = n.stiffness(&tangent);
-    }
+    *tangent = elasticity::tangent(material, f_start + f_change, damping, weight);
 
     let inertia = mass / (h * h);
     let terms = PointTerms {

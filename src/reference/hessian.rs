@@ -125,7 +125,7 @@ pub fn gather_contacts(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Random;
+    use crate::math::{Mat9, Random, Vec9};
     use crate::potential::BlockPattern;
     use crate::reference::Points;
     use crate::reference::point_hessian::{PointTerms, point_hessian};
@@ -158,15 +158,19 @@ mod tests {
         let arms: Vec<_> = (0..points.skinning.entries().len())
             .map(|_| random.vector(1.0))
             .collect();
-        let stiffness: Vec<_> = (0..points.basis.entries().len())
-            .map(|_| [random.matrix(1.0), random.matrix(1.0), random.matrix(1.0)])
+        // C is symmetric.
+        let tangents: Vec<Mat9> = (0..points.len())
+            .map(|_| {
+                let q: Vec9 = std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+                q.map(|a| q.map(|b| a * b))
+            })
             .collect();
         let view = |i: usize| PointView {
             terms: &terms[i],
             skinning: points.skinning.row(i),
             arms: &arms[points.skinning.range(i)],
             basis: points.basis.row(i),
-            stiffness: &stiffness[points.basis.range(i)],
+            tangent: &tangents[i],
         };
         let stored: Vec<Vec<DMat3>> = (0..points.len())
             .map(|i| {

@@ -7,7 +7,7 @@
 //! ```
 
 use super::Basis;
-use crate::math::skew;
+use crate::math::{Mat9, skew};
 use crate::model::SkinWeight;
 use glam::{DMat3, DVec3};
 
@@ -39,8 +39,8 @@ pub struct PointView<'a, B> {
     pub arms: &'a [DVec3],
     /// Its handles.
     pub basis: &'a [B],
-    /// w C ∇U of each handle: [`Basis::stiffness`].
-    pub stiffness: &'a [[DMat3; 3]],
+    /// w C, J.
+    pub tangent: &'a Mat9,
 }
 
 /// Hands the blocks (`local`, b) for b = 0..=`local` to `each`, in order.
@@ -100,13 +100,10 @@ fn handle_row<B: Basis>(point: &PointView<'_, B>, h: usize, mut each: impl FnMut
         );
     }
     let first = 2 * point.skinning.len();
-    let others = point.basis[..=h].iter().zip(point.stiffness);
-    for (k, (other, stiffness)) in others.enumerate() {
-        let elastic = own.contract(stiffness);
-        each(
-            first + k,
-            own.congruent(point.terms.metric, other) + elastic,
-        );
+    let stiffness = own.stiffness(point.tangent);
+    for (k, other) in point.basis[..=h].iter().enumerate() {
+        let inertia = own.congruent(point.terms.metric, other);
+        each(first + k, inertia + other.contract(&stiffness));
     }
 }
 

@@ -20,8 +20,9 @@ pub fn pose_blend(
             continue;
         }
         let columns = &blend.columns[k * position.len()..][range.clone()];
-        for (x, column) in out.iter_mut().zip(columns) {
-            *x += value * DVec3::from_array(column.map(f64::from));
+        let sums: &mut [f64] = bytemuck::cast_slice_mut(out);
+        for (sum, &column) in sums.iter_mut().zip(columns.as_flattened()) {
+            *sum += value * f64::from(column);
         }
     }
 }
