@@ -21,7 +21,7 @@ const PHASE: Phase = Phase::Evaluated;
 struct Prepared {
     terms: PointTerms,
     arms: Vec<DVec3>,
-    stiffness: Vec<[DMat3; 3]>,
+    tangent: Mat9,
     abs_force: DVec3,
     abs_arms: Vec<DVec3>,
     abs_blended: DMat3,
@@ -64,12 +64,7 @@ fn prepare(scene: &Scene) -> Vec<Prepared> {
                 metric: blended.transpose() * blended * inertia,
             },
             arms: point_arms,
-            stiffness: set
-                .basis
-                .row(i)
-                .iter()
-                .map(|u| u.stiffness(&tangent))
-                .collect(),
+            tangent,
             abs_force: inertia * (d.abs() + y.abs()) + mass * GRAVITY.abs(),
             abs_arms,
             abs_blended: blended_rotation(skinning, &abs_frames),
@@ -90,7 +85,7 @@ fn view<'a>(
         skinning: set.skinning.row(i),
         arms: &point.arms,
         basis: set.basis.row(i),
-        stiffness: &point.stiffness,
+        tangent: &point.tangent,
     }
 }
 
@@ -219,8 +214,8 @@ pub fn point_hessian(scene: &Scene) -> Outcome {
                         gradient: basis[local - frames].gradient.abs(),
                         ..basis[local - frames]
                     };
-                    let stiffness = abs_entry(b).stiffness(&point.abs_tangent);
-                    magnitude += abs_entry(a).contract(&stiffness);
+                    let stiffness = abs_entry(a).stiffness(&point.abs_tangent);
+                    magnitude += abs_entry(b).contract(&stiffness);
                 }
                 let pair = a * (a + 1) / 2 + b;
                 let roundings = 2 * (frames / 2 + 6) + 6 + 2;
