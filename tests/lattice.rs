@@ -86,10 +86,10 @@ fn hairpin(radius: f64, gap: f64, length: f64) -> (Surface, Vec<Surface>) {
     let mut path = line(tip, root, 16);
     path.extend(bend.clone());
     path.extend(line(down(root), down(tip), 16));
-    let bone = |path: &[DVec3]| tube(path, 0.4 * radius);
+    let bone = |path: &[DVec3]| tube(path, 0.7 * radius);
     let bend: Vec<DVec3> = bend.collect();
-    let upper = bone(&line(tip, root + 0.1 * length * DVec3::X, 8));
-    let lower = bone(&line(down(root) + 0.1 * length * DVec3::X, down(tip), 8));
+    let upper = bone(&line(tip, root + 0.3 * length * DVec3::X, 8));
+    let lower = bone(&line(down(root) + 0.3 * length * DVec3::X, down(tip), 8));
     (tube(&path, radius), vec![bone(&bend), upper, lower])
 }
 
