@@ -45,6 +45,8 @@ pub struct Report {
     pub max_unposed_displacement_mm: f64,
     /// The same at full press, mm.
     pub full_press_displacement_mm: f64,
+    /// End of the first step in which skin touches something, s; none if it never does.
+    pub first_contact_s: Option<f64>,
     /// Contact force at full press, N.
     pub contact_force_n: f64,
     /// What targets and pins bear at full press beside the avatar's weight, N; it equals the contact

@@ -1,6 +1,6 @@
 //! Where a picture is taken from.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// How depth foreshortens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,25 +34,35 @@ impl Camera {
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
                 (low.min(*p), high.max(*p))
             });
-        let centre = 0.5 * (low + high);
-        let direction = direction.normalize_or(-DVec3::Y);
         let mut camera = Self {
-            eye: centre - direction,
-            target: centre,
+            eye: 0.5 * (low + high) - direction.normalize_or(-DVec3::Y),
+            target: 0.5 * (low + high),
             up,
             projection: Projection::Perspective(angle),
         };
-        // The smallest distance at which every point is inside the frustum, and 8 % of margin.
-        let tangent = (0.5 * angle).tan() / 1.08;
         let axes = camera.axes();
-        let distance = points
-            .iter()
-            .map(|p| {
-                let v = axes.transpose() * (*p - centre);
-                (v.x.abs() / aspect).max(v.y.abs()) / tangent + v.z
-            })
-            .fold(1e-3, f64::max);
-        camera.eye = centre - direction * distance;
+        // Moving the camera sideways changes what is nearest: a few rounds centre the picture.
+        for _ in 0..6 {
+            let seen: Vec<_> = (points.iter())
+                .map(|p| axes.transpose() * (*p - camera.target))
+                .collect();
+            // The smallest distance at which every point is inside the frustum, and 8 % of margin.
+            let tangent = (0.5 * angle).tan() / 1.08;
+            let distance = (seen.iter())
+                .map(|v| (v.x.abs() / aspect).max(v.y.abs()) / tangent + v.z)
+                .fold(1e-3, f64::max);
+            let slopes = seen.iter().map(|v| v.truncate() / (distance - v.z));
+            let (least, most) = slopes.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, m), s| {
+                (l.min(s), m.max(s))
+            });
+            camera.eye = camera.target + axes.z_axis * distance;
+            let shift = axes * (0.5 * distance * (least + most)).extend(0.0);
+            if !shift.is_finite() {
+                break;
+            }
+            camera.target += shift;
+            camera.eye += shift;
+        }
         camera
     }
 

@@ -8,7 +8,7 @@ use crate::math::par_map;
 use glam::{DMat3, DVec3};
 
 /// Lamps of the dome.
-const LAMPS: usize = 160;
+const LAMPS: usize = 224;
 /// Samples of a pixel that share the lamps among them.
 const INTERLEAVE: usize = 4;
 /// Samples along a side of a shadow map.
@@ -47,21 +47,21 @@ impl Dome {
         // Key from above, to the left of the camera and a little behind it.
         let side = camera.x_axis.cross(up).normalize_or(DVec3::X);
         let key = (1.1 * up - 0.75 * camera.x_axis - 0.55 * side).normalize_or(up);
-        let fill = (camera.z_axis + 0.9 * camera.x_axis + 0.15 * up).normalize_or(up);
+        let fill = (camera.z_axis + 0.8 * camera.x_axis).normalize_or(up);
         let basis = {
             let x = up.any_orthonormal_vector();
             DMat3::from_cols(x, up.cross(x), up)
         };
         let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
         let lamps = par_map(LAMPS, |i| {
-            // Fibonacci points on the sphere down to a little under the horizon.
-            let z = 1.0 - (i as f64 + 0.5) * 1.25 / LAMPS as f64;
+            // Fibonacci points on the whole sphere: a light floor shines back.
+            let z = 1.0 - (i as f64 + 0.5) * 2.0 / LAMPS as f64;
             let (sin, cos) = (golden * i as f64).sin_cos();
             let r = (1.0 - z * z).max(0.0).sqrt();
             let direction = basis * DVec3::new(r * cos, r * sin, z);
             let lobe =
                 |towards: DVec3, sharpness: f64| (sharpness * (direction.dot(towards) - 1.0)).exp();
-            let strength = 0.30 + 0.20 * z + 4.2 * lobe(key, 14.0) + 0.55 * lobe(fill, 5.0);
+            let strength = 0.24 + 0.12 * z + 4.4 * lobe(key, 14.0) + 0.6 * lobe(fill, 4.0);
             let lens = Lens::new(
                 &Camera {
                     eye: centre + direction * (2.0 * radius),

@@ -63,6 +63,10 @@ impl<'a> Measures<'a> {
         let elastic = elastic_energy(self.avatar, &instance.state);
         r.energy.elastic_largest = r.energy.elastic_largest.max(elastic);
         r.energy.elastic_end = elastic;
+        if this.contacts > 0 {
+            let time = step as f64 * self.time_step;
+            r.first_contact_s = r.first_contact_s.or(Some(time));
+        }
         if step == self.settled {
             self.settled_displacement.clone_from(&self.displacement);
         }

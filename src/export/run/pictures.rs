@@ -25,9 +25,12 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         .map(|s| meshes(scene, avatar, s, maximum))
         .collect();
     let [width, height] = output.panel_size;
-    let framed: Vec<DVec3> = snapshots
-        .iter()
-        .flat_map(|s| s.skin.iter().copied())
+    let bounded = |m: &&Mesh| {
+        let centre = m.surface.positions.iter().sum::<DVec3>() / m.surface.positions.len() as f64;
+        (m.surface.positions.iter()).all(|p| (*p - centre).length() < HALF_SPACE_EXTENT)
+    };
+    let framed: Vec<DVec3> = (scenes.iter().flatten().filter(bounded))
+        .flat_map(|m| m.surface.positions.iter().copied())
         .collect();
     let aspect = width as f64 / height as f64;
     let camera = Camera::framing(&framed, output.view, DVec3::Z, aspect);
