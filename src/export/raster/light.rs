@@ -44,10 +44,11 @@ impl Dome {
         camera: DMat3,
         up: DVec3,
     ) -> Self {
-        // Key from above, to the left of the camera and a little behind it.
-        let side = camera.x_axis.cross(up).normalize_or(DVec3::X);
-        let key = (1.1 * up - 0.75 * camera.x_axis - 0.55 * side).normalize_or(up);
-        let fill = (camera.z_axis + 0.8 * camera.x_axis).normalize_or(up);
+        // Photographers' places: the key light above the camera and to its left, the fill light to its
+        // right and lower.
+        let (right, above, back) = (camera.x_axis, camera.y_axis, camera.z_axis);
+        let key = (0.9 * above - 0.8 * right + 0.7 * back).normalize_or(up);
+        let fill = (back + 0.9 * right - 0.2 * above).normalize_or(up);
         let basis = {
             let x = up.any_orthonormal_vector();
             DMat3::from_cols(x, up.cross(x), up)
@@ -61,7 +62,7 @@ impl Dome {
             let direction = basis * DVec3::new(r * cos, r * sin, z);
             let lobe =
                 |towards: DVec3, sharpness: f64| (sharpness * (direction.dot(towards) - 1.0)).exp();
-            let strength = 0.24 + 0.12 * z + 4.4 * lobe(key, 14.0) + 0.6 * lobe(fill, 4.0);
+            let strength = 0.26 + 0.14 * z + 4.4 * lobe(key, 14.0) + 0.5 * lobe(fill, 4.0);
             let lens = Lens::new(
                 &Camera {
                     eye: centre + direction * (2.0 * radius),
@@ -85,11 +86,11 @@ impl Dome {
             texel: 2.0 * radius / RESOLUTION as f64,
             key,
         };
-        // A horizontal surface in the open gets 1.
+        // A surface in the open that faces the key light gets 1.
         let open: f64 = dome
             .lamps
             .iter()
-            .map(|l| l.strength * l.direction.dot(up).max(0.0))
+            .map(|l| l.strength * l.direction.dot(key).max(0.0))
             .sum();
         dome.lamps.iter_mut().for_each(|l| l.strength /= open);
         dome

@@ -11,6 +11,7 @@ use super::glb::{Prop, Recording};
 use super::{Mesh, Report};
 use crate::Result;
 use crate::load::Scene;
+use crate::load::scene::PanelTime;
 use crate::model::{Avatar, Frame, State};
 use crate::potential::Potential;
 use crate::sim::Simulation;
@@ -31,8 +32,8 @@ pub struct SceneRun {
 /// A moment that is drawn.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// Below the picture.
-    pub caption: String,
+    /// Its caption and what it shows.
+    pub panel: PanelTime,
     /// Drawn skin, m.
     pub skin: Vec<DVec3>,
     /// Length of the unposed displacement of each skin vertex, m.
@@ -79,7 +80,7 @@ pub fn run_scene<P: Potential>(
         for (panel, snapshot) in scene.output.panels.iter().zip(&mut snapshots) {
             if scene.step_at(panel.time) == step {
                 *snapshot = Some(Snapshot {
-                    caption: panel.caption.clone(),
+                    panel: panel.clone(),
                     skin: skin.clone(),
                     displacement: measures.displacement().iter().map(|d| d.length()).collect(),
                     colliders: driver.collider_frames(time).collect(),

@@ -5,6 +5,7 @@ use crate::export::{
     Camera, Image, Legend, Mesh, Panel, Plane, Strip, View, colour_map, from_srgb, render,
 };
 use crate::load::Scene;
+use crate::load::scene::Focus;
 use crate::model::{Avatar, Surface};
 use glam::DVec3;
 
@@ -41,9 +42,31 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         }),
         ..View::new(camera, width, height)
     };
-    let panel = |(snapshot, meshes): (&Snapshot, &Vec<Mesh>)| Panel {
-        image: render(meshes, &view),
-        caption: snapshot.caption.clone(),
+    let panel = |(snapshot, meshes): (&Snapshot, &Vec<Mesh>)| {
+        let camera = match snapshot.panel.focus {
+            None => camera,
+            Some(Focus {
+                point,
+                radius,
+                view,
+            }) => {
+                let direction = view.unwrap_or(output.view);
+                let corner = |k: usize| {
+                    let sign = |bit: usize| if k >> bit & 1 == 0 { -radius } else { radius };
+                    point + DVec3::new(sign(0), sign(1), sign(2)) / 3f64.sqrt()
+                };
+                let corners: Vec<_> = (0..8).map(corner).collect();
+                Camera::framing(&corners, direction, DVec3::Z, aspect)
+            }
+        };
+        let view = View {
+            camera,
+            ..view.clone()
+        };
+        Panel {
+            image: render(meshes, &view),
+            caption: snapshot.panel.caption.clone(),
+        }
     };
     let strip = Strip {
         panels: snapshots.iter().zip(&scenes).map(panel).collect(),

@@ -160,6 +160,20 @@ pub struct PanelTime {
     pub time: f64,
     /// Below the picture.
     pub caption: String,
+    /// Shows only what is near a point; everything if not given.
+    pub focus: Option<Focus>,
+}
+
+/// A ball that fills a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Focus {
+    /// Its centre, m.
+    pub point: DVec3,
+    /// Its radius, m.
+    pub radius: f64,
+    /// Direction in which the camera looks; that of the other pictures if not given.
+    pub view: Option<DVec3>,
 }
 
 /// A plane that opens the skin.
