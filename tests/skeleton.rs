@@ -3,7 +3,7 @@
 
 use supple::glam::DVec3;
 use supple::math::Random;
-use supple::model::{Avatar, Frame};
+use supple::model::{Avatar, Frame, pose_feature};
 use supple::sample::random_avatar;
 use supple::skeleton::{
     Bending, BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring,
@@ -240,4 +240,46 @@ fn bone_inertia_is_that_of_its_matter() {
     let expected = energy(&b) - energy(&a);
     let error = (term.difference(&[a], &[b]) - expected).abs();
     assert!(error < 1e-12 * (energy(&a) + energy(&b)), "{error:e}");
+}
+
+/// Gravity against its own definition: the weight of every point at φ = 0, with its blend shapes.
+#[test]
+fn gravity_is_the_weight_of_tissue_and_bones() {
+    let (avatar, random) = (avatar(), &mut Random::new(8));
+    let [current, a, b] = [0; 3].map(|_| frames(random, 1.0, 0.02));
+    let g = DVec3::new(1.0, 2.0, -9.0);
+    let moments: Vec<_> = avatar.bone_masses.iter().map(|b| b.moments()).collect();
+    let tissue = TissueMoments::new(&avatar);
+    let term = FrameGravity::new(g, &moments, Some(&tissue), &current);
+
+    let (points, joints) = (&avatar.cubature, &avatar.skeleton.joints);
+    let feature = pose_feature(&avatar.skeleton.parents, &current);
+    let energy = |frames: &[Frame]| -> f64 {
+        let blended = |i: usize| -> DVec3 {
+            let column = |k: usize| points.pose_blend.columns[k * points.len() + i];
+            let shapes = (0..feature.len())
+                .map(|k| feature[k] * DVec3::from(column(k).map(f64::from)))
+                .sum::<DVec3>();
+            points.position[i] + shapes
+        };
+        let weight = |i: usize| -> f64 {
+            let posed = points.skinning.row(i).iter().map(|w| {
+                let j = w.bone as usize;
+                w.weight * frames[j].transform(blended(i) - joints[j])
+            });
+            -avatar.density * points.measure[i] * g.dot(posed.sum())
+        };
+        let bone = |j: usize| {
+            let (mass, first) = moments[j];
+            -g.dot(frames[j].rotation * first + mass * frames[j].position)
+        };
+        (0..points.len()).map(weight).sum::<f64>() + (0..BONES).map(bone).sum::<f64>()
+    };
+    let expected = energy(&b) - energy(&a);
+    let error = (term.difference(&a, &b) - expected).abs();
+    let size = energy(&a).abs() + energy(&b).abs();
+    assert!(
+        error < 1e-12 * size && expected.abs() > 1e-3 * size,
+        "{error:e} of {size}"
+    );
 }
