@@ -51,12 +51,13 @@ pub struct SampleHand {
 /// Makes the hand; the same bits every time.
 ///
 /// # Errors
-/// [`crate::Error::Solve`] where a fit fails, which it does not for the built-in dimensions.
+/// [`crate::Error::Solve`] where a fit fails and [`crate::Error::Invalid`] where the skin cannot be
+/// remeshed to its count; neither happens with the built-in dimensions.
 pub fn hand() -> Result<SampleHand> {
     let digits = anatomy::digits();
     let joints = anatomy::joints(&digits);
     let shape = shape::HandShape::new(&digits);
-    let skin = skin::skin(&shape);
+    let skin = skin::skin(&shape)?;
     let weights = weights::weights(&shape, &digits, &skin)?;
     let (directions, joint_motions) =
         shape_directions::shape_directions(&digits, &joints, &skin, &weights);
@@ -101,7 +102,7 @@ mod tests {
         let digits = anatomy::digits();
         let joints = anatomy::joints(&digits);
         let shape = shape::HandShape::new(&digits);
-        let skin = skin::skin(&shape);
+        let skin = skin::skin(&shape).unwrap();
         let weights = weights::weights(&shape, &digits, &skin).unwrap();
         let (directions, motions) =
             shape_directions::shape_directions(&digits, &joints, &skin, &weights);

@@ -15,7 +15,7 @@ pub(super) trait Implicit: Sync {
     fn edge_length(&self, p: DVec3) -> f64;
 }
 
-/// Remeshes a closed surface to exactly `vertices` vertices.
+/// Remeshes a closed surface to `vertices` vertices (more only where no edge can be collapsed).
 pub(super) fn remesh(
     surface: &dyn Implicit,
     positions: Vec<DVec3>,

@@ -4,13 +4,14 @@ use super::polygonise::polygonise;
 use super::remesh::remesh;
 use super::shape::HandShape;
 use crate::model::Surface;
+use crate::{Error, Result};
 use glam::DVec3;
 
 /// Vertices of the skin, as many as the hand of Tapia et al. (2021) has; 2 V − 4 = 6,208 triangles.
 pub(super) const VERTICES: usize = 3106;
 
 /// The closed skin, mm.
-pub(super) fn skin(shape: &HandShape) -> Surface {
+pub(super) fn skin(shape: &HandShape) -> Result<Surface> {
     let (positions, triangles) = polygonise(
         DVec3::new(-36.0, -72.0, -52.0),
         DVec3::new(200.0, 100.0, 34.0),
@@ -18,8 +19,15 @@ pub(super) fn skin(shape: &HandShape) -> Surface {
         |p| shape.distance(p),
     );
     let (positions, triangles) = remesh(shape, positions, triangles, VERTICES);
-    Surface {
+    if positions.len() != VERTICES {
+        let problem = format!(
+            "{} vertices after remeshing, not {VERTICES}",
+            positions.len()
+        );
+        return Err(Error::invalid("sample hand", problem));
+    }
+    Ok(Surface {
         positions,
         triangles,
-    }
+    })
 }
