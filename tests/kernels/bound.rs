@@ -58,7 +58,7 @@ impl Comparison {
         let ratio = |i: usize| (self.got[i] - self.want[i]).abs() / self.bound[i];
         for i in 0..self.got.len() {
             // A NaN is never within.
-            if !(ratio(i) <= 1.0) {
+            if ratio(i) > 1.0 || ratio(i).is_nan() {
                 return Err(format!(
                     "{what}: number {i} is {}, the twin says {}, {:.3} of its bound",
                     self.got[i],

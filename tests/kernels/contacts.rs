@@ -173,7 +173,7 @@ pub fn compact(scene: &Scene) -> Outcome {
         for (b, row) in rows(scene, k)[..blocks].iter().enumerate() {
             let magnitude = if b >= 2 * skinning.len() {
                 basis[b - 2 * skinning.len()].value.abs() * pulled
-            } else if b % 2 == 0 {
+            } else if b.is_multiple_of(2) {
                 skinning[b / 2].weight * normal
             } else {
                 abs_cross(abs_arms[b / 2], normal)

@@ -131,7 +131,7 @@ pub fn gradient(scene: &Scene) -> Outcome {
             let magnitude = if local >= 2 * skinning.len() {
                 let u = &basis[local - 2 * skinning.len()];
                 u.value.abs() * pulled + stress * u.gradient.abs()
-            } else if local % 2 == 0 {
+            } else if local.is_multiple_of(2) {
                 skinning[local / 2].weight * point.abs_force
             } else {
                 abs_cross(point.abs_arms[local / 2], point.abs_force)
@@ -177,7 +177,7 @@ fn abs_jacobian(scene: &Scene, point: &Prepared, i: usize, local: usize) -> DMat
     let (skinning, basis) = (set.skinning.row(i), set.basis.row(i));
     if local >= 2 * skinning.len() {
         basis[local - 2 * skinning.len()].value.abs() * point.abs_blended
-    } else if local % 2 == 0 {
+    } else if local.is_multiple_of(2) {
         DMat3::from_diagonal(DVec3::splat(skinning[local / 2].weight))
     } else {
         abs_skew(point.abs_arms[local / 2])
