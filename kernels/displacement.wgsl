@@ -1,5 +1,6 @@
 // d_i = x_i(q) − x_i(q_base) from increments only, never from two world positions:
 //   T_base = x̄ + Σ U φ_base,  ΔT = Σ U Δφ,  d = Σ_j w_j ( ΔR_j (T_base − J_j) + R_j ΔT + Δc_j )
+// with T = T_base + ΔT and B = Σ_j w_j R_j for the stages that follow.
 // One thread a cubature point.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -32,11 +33,14 @@ fn displacement(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     var d = vec3<f32>();
+    var blended = mat3x3<f32>();
     for (var k = 0u; k < point.bones; k++) {
         let w = influences[point.first_influence + k];
         let f = state.slot * constants.bones + w.index;
+        let rotation = frames[f].rotation;
         d += w.weight * (frames[f].rotation_increment * (t_base - frames[f].joint)
-            + frames[f].rotation * t_increment + frames[f].position_increment);
+            + rotation * t_increment + frames[f].position_increment);
+        blended += w.weight * rotation;
     }
-    motion[state.slot * constants.points + i] = Motion(d, t_base + t_increment);
+    motion[state.slot * constants.points + i] = Motion(d, t_base + t_increment, blended);
 }

@@ -30,14 +30,13 @@ fn point_gradient(@builtin(global_invocation_id) id: vec3<u32>) {
     let weighted_stress = point.measure * stress[state.slot * constants.points + i];
 
     let first = id.y * constants.local_blocks + point.first_block;
-    var unposed_force = vec3<f32>();
+    let unposed_force = force * moved.blended;
     for (var k = 0u; k < point.bones; k++) {
         let w = influences[point.first_influence + k];
         let f = state.slot * constants.bones + w.index;
         point_gradients[first + 2u * k] = w.weight * force;
         point_gradients[first + 2u * k + 1u] =
             w.weight * cross(frames[f].rotation * (moved.unposed - frames[f].joint), force);
-        unposed_force += w.weight * (force * frames[f].rotation);
     }
     for (var k = 0u; k < point.handles; k++) {
         let u = influences[point.first_influence + point.bones + k];

@@ -13,11 +13,10 @@ struct PatternBlock {
 @group(0) @binding(2) var<storage, read> pattern: array<PatternBlock>;
 @group(0) @binding(3) var<storage, read> gather_pairs: array<u32>;  // 2 · pair + transposed
 @group(0) @binding(4) var<storage, read> point_hessians: array<mat3x3<f32>>;
-@group(0) @binding(5) var<storage, read> vertex_blocks: array<u32>;
-@group(0) @binding(6) var<storage, read> contacts: array<Contact>;
-@group(0) @binding(7) var<storage, read> contact_rows: array<vec3<f32>>;
-@group(0) @binding(8) var<storage, read> block_contacts: array<u32>;
-@group(0) @binding(9) var<storage, read_write> result: array<f32>;
+@group(0) @binding(5) var<storage, read> contacts: array<Contact>;
+@group(0) @binding(6) var<storage, read> contact_rows: array<vec3<f32>>;
+@group(0) @binding(7) var<storage, read> block_contacts: array<u32>;
+@group(0) @binding(8) var<storage, read_write> result: array<f32>;
 
 @compute @workgroup_size(64)
 fn hessian(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -39,29 +38,27 @@ fn hessian(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
 
-    // Walk the shorter of the two blocks' contact lists; both rise, so the order is the same.
-    let lists = id.y * constants.blocks;
+    // Both blocks' lists of contacts rise: meet where they agree.
     let stride = constants.contacts + 1u;
-    let row_list = (lists + block.row) * stride;
-    let column_list = (lists + block.column) * stride;
-    let by_row = block_contacts[row_list] <= block_contacts[column_list];
-    let list = select(column_list, row_list, by_row);
-    let other = select(block.row, block.column, by_row);
-    let words = (constants.blocks + 3u) / 4u;
-    let contacts_of_list = block_contacts[list];
-    for (var k = 1u; k <= contacts_of_list; k++) {
-        let entry = block_contacts[list + k];
-        let at_contact = contact_header(id.y) + 1u + entry / 256u;
-        let word = vertex_blocks[contacts[at_contact].vertex * words + other / 4u];
-        let place = (word >> (8u * (other % 4u))) & 255u;
-        if (place > 0u) {
-            let rows = (id.y * constants.contacts + entry / 256u) * constants.contact_blocks;
-            let here = contact_rows[rows + entry % 256u];
-            let there = contact_rows[rows + place - 1u];
-            let row = select(there, here, by_row);
-            let column = contacts[at_contact].stiffness * select(here, there, by_row);
+    let row_list = (id.y * constants.blocks + block.row) * stride;
+    let column_list = (id.y * constants.blocks + block.column) * stride;
+    let row_end = row_list + block_contacts[row_list];
+    let column_end = column_list + block_contacts[column_list];
+    var r = row_list + 1u;
+    var c = column_list + 1u;
+    while (r <= row_end && c <= column_end) {
+        let here = block_contacts[r];
+        let there = block_contacts[c];
+        let contact = here / 256u;
+        if (contact == there / 256u) {
+            let rows = (id.y * constants.contacts + contact) * constants.contact_blocks;
+            let row = contact_rows[rows + here % 256u];
+            let column = contacts[contact_header(id.y) + 1u + contact].stiffness
+                * contact_rows[rows + there % 256u];
             sum += mat3x3<f32>(row * column.x, row * column.y, row * column.z);
         }
+        r += u32(contact <= there / 256u);
+        c += u32(contact >= there / 256u);
     }
 
     let numbers = 3u * constants.blocks + 9u * constants.pattern_blocks;

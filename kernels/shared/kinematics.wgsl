@@ -37,4 +37,5 @@ struct Handle {
 struct Motion {
     displacement: vec3<f32>,  // d = x(q) − x(q_base)
     unposed: vec3<f32>,       // T
+    blended: mat3x3<f32>,     // B = Σ_j w_j R_j
 }

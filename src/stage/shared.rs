@@ -149,6 +149,8 @@ host_shareable! {
         pub unposed: [f32; 3],
         /// Padding.
         pub _pad1: u32,
+        /// B = Σ_j w_j R_j.
+        pub blended: Mat3,
     }
 
     /// Blocks C_ij, i ≥ j, of a tangent (kernels/shared/tensor.wgsl).

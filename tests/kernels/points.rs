@@ -105,6 +105,10 @@ pub fn displacement(scene: &Scene) -> Outcome {
                 abs_t + abs_change,
                 roundings,
             );
+            let frames = scene.frames(phase, slot);
+            let want = displacement::blended_rotation(skinning, &frames);
+            let magnitude = DMat3::from_cols_array(&[1.0; 9]);
+            out.matrix(mat(got[i].blended), want, magnitude, skinning.len() + 1);
         }
     }
     out.finish("d and T")

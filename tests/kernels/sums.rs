@@ -8,7 +8,7 @@ use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::math::Mat9;
 use supple::potential::point_blocks;
-use supple::reference::displacement::{arms, blended_rotation};
+use supple::reference::displacement::arms;
 use supple::reference::gradient::{gradient as gradient_twin, point_force};
 use supple::reference::hessian::{ContactRows, gather_blocks, gather_contacts};
 use supple::reference::point_hessian::{PointTerms, PointView, point_hessian as hessian_twin};
@@ -46,7 +46,7 @@ fn prepare(scene: &Scene) -> Vec<Prepared> {
         let (d, y) = (vec(motions[i].displacement), vec(starts[i].displacement));
         let unposed = vec(motions[i].unposed);
         let force = point_force(mass, TIME_STEP, d, y, GRAVITY);
-        let blended = blended_rotation(skinning, &frames);
+        let blended = mat(motions[i].blended);
         let mut tangent = mat9(&tangents[i]);
         tangent.iter_mut().flatten().for_each(|c| *c *= weight);
         let mut point_arms = vec![DVec3::ZERO; skinning.len()];
@@ -67,7 +67,7 @@ fn prepare(scene: &Scene) -> Vec<Prepared> {
             tangent,
             abs_force: inertia * (d.abs() + y.abs()) + mass * GRAVITY.abs(),
             abs_arms,
-            abs_blended: blended_rotation(skinning, &abs_frames),
+            abs_blended: abs(blended),
             abs_tangent: tangent.map(|row| row.map(f64::abs)),
         }
     };
