@@ -244,6 +244,27 @@ fn the_drawn_skin_is_the_parametric_model_moved_by_the_handles() {
 }
 
 #[test]
+fn a_step_from_the_drawn_pose_has_the_bits_of_one_from_scratch() {
+    let avatar = avatar();
+    let [previous, current, state] = &triples(&avatar)[0];
+    let colliders = [floor(-0.01)];
+    let evaluate = |drawn: &[&State]| {
+        let mut potential = Reference::new(avatar.clone(), 1, 2000).unwrap();
+        for state in drawn {
+            block_on(potential.pose_skin(std::slice::from_ref(state))).unwrap();
+        }
+        let mut out = [Evaluation::default()];
+        block_on(potential.begin_step(&[start(previous, current, &colliders)], &[true])).unwrap();
+        block_on(potential.evaluate(std::slice::from_ref(state), &[true], &mut out)).unwrap();
+        let [evaluation] = out;
+        (evaluation, 0.0, Vec::new())
+    };
+    let scratch = evaluate(&[]);
+    assert_same_bits(&evaluate(&[current]), &scratch);
+    assert_same_bits(&evaluate(&[current, state]), &scratch);
+}
+
+#[test]
 fn a_scene_moved_rigidly_has_the_same_energy_and_a_turned_gradient() {
     let avatar = avatar();
     let [previous, current, state] = triples(&avatar)[0].clone();

@@ -4,6 +4,7 @@
 use super::asset::Asset;
 use super::contact::{Candidate, Contact, ContactSide, SideMotion};
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
+use super::drawn::Drawn;
 use super::gradient::point_force;
 use super::hessian::{ContactRows, gather_contacts, gather_points};
 use super::point_hessian::{PointTerms, PointView};
@@ -24,7 +25,8 @@ pub(super) struct Instance {
     pub step: Step,
     pub motion: Motion,
     pub base_motion: Motion,
-    pub feature: Vec<f64>,
+    feature: Vec<f64>,
+    pub drawn: Drawn,
     pub candidates: Vec<Candidate>,
     pub base_candidates: Vec<Candidate>,
     pub energies: Vec<Energies>,
@@ -48,6 +50,7 @@ impl Instance {
             motion: Motion::default(),
             base_motion: Motion::default(),
             feature: Vec::new(),
+            drawn: Drawn::default(),
             candidates: Vec::new(),
             base_candidates: Vec::new(),
             energies: vec![Energies::default(); points],
@@ -65,8 +68,9 @@ impl Instance {
     pub fn begin_step<B: Basis>(&mut self, asset: &Asset<B>, start: &StepStart<'_>) {
         let watch = Stopwatch::start();
         let (motion, feature) = (&mut self.motion, &mut self.feature);
+        let (candidates, drawn) = (&mut self.candidates, &self.drawn);
         self.step
-            .begin(asset, start, motion, feature, &mut self.candidates);
+            .begin(asset, start, motion, feature, candidates, drawn);
         self.timings = EvaluationTimings {
             force: watch.ms(),
             ..EvaluationTimings::default()

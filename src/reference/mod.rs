@@ -39,7 +39,6 @@ use crate::model::{Avatar, BasisEntry, Space, State};
 use crate::potential::{BlockPattern, Evaluation, EvaluationTimings, Potential, StepStart, Trial};
 use crate::{Error, Result};
 use asset::Asset;
-use drawn::Drawn;
 use evaluate::Instance;
 use glam::DVec3;
 use std::sync::Arc;
@@ -48,7 +47,6 @@ use std::sync::Arc;
 pub struct Reference<B: Basis = BasisEntry> {
     asset: Asset<B>,
     instances: Vec<Instance>,
-    drawn: Vec<Drawn>,
 }
 
 impl Reference {
@@ -78,7 +76,6 @@ impl<B: Basis> Reference<B> {
         let asset = Asset::new(avatar, cubature, skin, contact_capacity)?;
         Ok(Self {
             instances: (0..instances).map(|_| Instance::new(&asset)).collect(),
-            drawn: (0..instances).map(|_| Drawn::default()).collect(),
             asset,
         })
     }
@@ -240,9 +237,8 @@ impl<B: Basis> Potential for Reference<B> {
         states.iter().try_for_each(|s| self.check_state(s))?;
         let asset = &self.asset;
         in_pool(|| {
-            let parts = (&mut self.drawn[..], &mut self.instances[..]);
-            par_split(states.len(), 1, parts, |i, (drawn, instance)| {
-                drawn.pose(asset, &states[i], &mut instance.feature);
+            par_each(&mut self.instances, 1, |i, instance| {
+                instance.drawn.pose(asset, &states[i]);
             });
         });
         Ok(())
@@ -254,8 +250,8 @@ impl<B: Basis> Potential for Reference<B> {
         positions: &mut Vec<DVec3>,
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
-        let Some(drawn) = self.drawn.get(instance) else {
-            let problem = format!("{instance} of {}", self.drawn.len());
+        let Some(Instance { drawn, .. }) = self.instances.get(instance) else {
+            let problem = format!("{instance} of {}", self.instances.len());
             return Err(Error::invalid("instance", problem));
         };
         positions.clone_from(&drawn.positions);

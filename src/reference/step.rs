@@ -3,6 +3,7 @@
 use super::asset::Asset;
 use super::contact::{Candidate, contact, contact_point};
 use super::displacement::{displacement, unposed_displacement};
+use super::drawn::Drawn;
 use super::elasticity::{Damping, displacement_gradient};
 use super::pose_blend::pose_blend;
 use super::{Basis, Motion, energy};
@@ -78,6 +79,7 @@ impl Step {
         motion: &mut Motion,
         feature: &mut Vec<f64>,
         candidates: &mut Vec<Candidate>,
+        drawn: &Drawn,
     ) {
         let avatar = &*asset.avatar;
         self.time_step = start.time_step;
@@ -93,7 +95,10 @@ impl Step {
         let feature = &*feature;
         par_join(
             || blend(&avatar.cubature, feature, &mut self.rest),
-            || blend(&avatar.skin, feature, &mut self.skin_rest),
+            || match drawn.rest_of(feature) {
+                Some(rest) => self.skin_rest.copy_from_slice(rest),
+                None => blend(&avatar.skin, feature, &mut self.skin_rest),
+            },
         );
         motion.set(start.previous, start.current, self.origin);
         self.start_points(asset, &start.previous.handles, motion);
