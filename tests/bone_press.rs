@@ -2,14 +2,12 @@
 
 mod support;
 
-use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::model::Frame;
-use supple::potential::Potential;
 use supple::reference::Reference;
 use supple::sample::Limb;
-use supple::sim::{Pin, Settings, Simulation, SolverMode, SparseCholesky, Stop};
+use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop, full_space};
 
 /// The sphere of 3 cm, its centre at height `z`.
 fn sphere(z: f64) -> Frame {
@@ -21,16 +19,15 @@ fn sphere(z: f64) -> Frame {
 
 /// Mesh S around its pinned bone, under the sphere.
 fn press(time_step: f64, solver: SolverMode) -> Simulation<Reference> {
-    let avatar = support::full_space_limb(&Limb::S, 1, false);
-    let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
-    let cholesky = SparseCholesky::new(potential.pattern()).unwrap();
     let settings = Settings {
         time_step,
         solver,
         ..Settings::default()
     };
-    let mut simulation =
-        Simulation::with_solver(&avatar, potential, settings, Box::new(cholesky)).unwrap();
+    let limb = support::full_space_limb(&Limb::S, 1, false);
+    let (avatar, mut simulation) = full_space(&limb, 1, 1000, settings).unwrap();
+    // The limb is in its full space already, by a construction of its own.
+    assert_eq!(avatar.handles, limb.handles);
     let instance = &mut simulation.instances_mut()[0];
     let frame = instance.state.frames[0];
     instance.pins.push(Pin { bone: 0, frame });

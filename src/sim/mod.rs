@@ -2,6 +2,7 @@
 
 mod dense_cholesky;
 mod energy;
+mod full_space;
 mod instance;
 mod line_search;
 mod linear_solver;
@@ -13,6 +14,7 @@ mod sparse_cholesky;
 
 pub use dense_cholesky::DenseCholesky;
 pub use energy::EnergyBalance;
+pub use full_space::full_space;
 pub use instance::{Instance, Pin};
 pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};
