@@ -33,7 +33,8 @@ pub struct Report {
     pub ms_per_step: Spread,
     /// The same of the steps in which skin touches something.
     pub ms_per_step_in_contact: Median,
-    /// Medians of a step's parts, ms.
+    /// Medians of a step's parts, ms. On a GPU, force and Hessian are those of one evaluation, timed
+    /// kernel by kernel after the run.
     pub breakdown_ms: Breakdown,
     /// Smallest det F over all tets and steps; 0 and below is an inverted tet.
     pub min_det_f: f64,
@@ -92,6 +93,8 @@ pub struct Breakdown {
     pub skin: f64,
     /// The bones' own terms.
     pub skeleton: f64,
+    /// All evaluations of the tissue's potential, as the step sees them.
+    pub evaluation: f64,
 }
 
 /// Energies at full press and at the end, J.

@@ -1,6 +1,6 @@
 //! What is measured in a run.
 
-use crate::export::report::{Breakdown, EnergyReport, Median, Report, Spread, percentile};
+use crate::export::report::{Breakdown, Median, Report, Spread, percentile};
 use crate::load::Scene;
 use crate::model::{Avatar, State};
 use crate::reference::min_det_f;
@@ -118,11 +118,9 @@ impl<'a> Measures<'a> {
                 solve: median(|s| s.timings.solve),
                 skin: median(|s| s.timings.skin),
                 skeleton: median(|s| s.timings.skeleton),
+                evaluation: median(|s| s.timings.evaluation),
             },
             residual_displacement_mm: 1e3 * longest(changed.map(|(now, then)| *now - *then)),
-            energy: EnergyReport {
-                ..self.report.energy
-            },
             ..self.report
         }
     }
