@@ -370,7 +370,8 @@ fn bad_recipes_and_bodies_are_typed_errors() {
         change(&mut recipe.handles[0]);
         recipe
     };
-    let cases: [(fn(&mut HandleRegion), &str); 7] = [
+    type Change = fn(&mut HandleRegion);
+    let cases: [(Change, &str); 7] = [
         (|r| r.bones = vec!["elbow".into()], "elbow"),
         (|r| r.vertices = vec![9999], "handles[0].vertices"),
         (|r| r.within = Some([[9.0; 3], [10.0; 3]]), "no soft place"),
@@ -507,6 +508,28 @@ fn the_sample_hand_bakes_in_half_a_minute() {
     );
     assert!((report.cubature.weight_sum / report.cubature.volume - 1.0).abs() < 1e-12);
     assert!(!report.cubature.all_tets, "{:?}", report.cubature);
+    assert_eq!(avatar.cubature.pose_blend.features, 135);
+    // Weights inside meet those on the skin, to what a cell of 4 mm resolves.
+    let layer = &avatar.layer;
+    let mut errors: Vec<f64> = (0..avatar.skin.len())
+        .map(|v| {
+            let inside = |bone: u32| -> f64 {
+                let at_node = |&(node, share): &(u32, f64)| {
+                    let row = layer.skinning.row(node as usize).iter();
+                    let weights = row.filter(|w| w.bone == bone).map(|w| w.weight);
+                    share * weights.sum::<f64>()
+                };
+                layer.skin_embedding.row(v).iter().map(at_node).sum()
+            };
+            let row = body.skinning.row(v).iter();
+            row.map(|w| (w.weight - inside(w.bone)).abs())
+                .fold(0.0, f64::max)
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let (median, late) = (errors[errors.len() / 2], errors[errors.len() * 99 / 100]);
+    println!("skin weights inside: median error {median:.4}, 99 % below {late:.4}");
+    assert!(median < 0.005 && late < 0.05, "{median} {late}");
     // Skin minus bones; the wrist's bones stick out of nothing, so both are closed surfaces.
     let bones: f64 = body.bone_surfaces.iter().map(|b| b.volume()).sum();
     let volume = body.skin.volume() - bones;

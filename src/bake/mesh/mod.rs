@@ -19,3 +19,4 @@ pub(super) use disjoint_sets::DisjointSets;
 pub use lattice::{LatticeSize, lattice};
 pub use prism_shell::{ShellOptions, local_radius, prism_shell};
 pub use quality::MeshQuality;
+pub(super) use scanlines::Grid;

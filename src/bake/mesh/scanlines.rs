@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// Samples at `origin + spacing · (i, j, k)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     /// Place of sample (0, 0, 0), m.
     pub origin: DVec3,
     /// Distance of neighbours, m.
