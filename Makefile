@@ -13,7 +13,7 @@ bench:
 	cargo bench --features cli
 
 bench-smoke:
-	cargo bench --features cli -- --test
+	cargo bench --profile dev --features cli --benches -- --test
 
 ci:
 	.ci/run

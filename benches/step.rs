@@ -1,0 +1,74 @@
+//! A whole step of the sample hand, pressed on its cylinder: the f64 evaluation, and a GPU (a software
+//! adapter where there is no other), at 700 and 2,000 cubature points.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::sync::Arc;
+use supple::bake::bake;
+use supple::export::Driver;
+use supple::gpu::{AdapterChoice, GpuDevice};
+use supple::load::read_scene;
+use supple::model::Avatar;
+use supple::potential::Potential;
+use supple::reference::Reference;
+use supple::sim::Simulation;
+use supple::stage::{GpuOptions, GpuPotential};
+
+/// Runs the demo scene in a quarter of its steps until the hand is fully pressed, then times steps there.
+fn pressed(
+    criterion: &mut Criterion,
+    name: &str,
+    avatar: &Avatar,
+    potential: impl Potential,
+) -> supple::Result<()> {
+    const HURRY: f64 = 4.0;
+    let scene = read_scene("assets/scenes/hand_press.toml")?;
+    let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
+    let driver = Driver::new(&scene, avatar)?;
+    driver.start(avatar, &mut simulation.instances_mut()[0]);
+    let mut contacts = 0;
+    for step in 1..=scene.step_at(scene.measure.full_press / HURRY) {
+        let time = HURRY * step as f64 * scene.settings.time_step;
+        driver.drive(time, &mut simulation.instances_mut()[0]);
+        contacts = simulation.step_blocking()?.instances[0].contacts;
+    }
+    assert!(contacts > 0, "the hand must be in contact");
+    let name = format!("{name}, {} contacts", contacts);
+    criterion.bench_function(&name, |b| b.iter(|| simulation.step_blocking()));
+    Ok(())
+}
+
+fn bench(criterion: &mut Criterion) {
+    let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))
+        .expect("an adapter");
+    let scene = read_scene("assets/scenes/hand_press.toml").expect("the demo scene");
+    let (body, mut recipe) = scene.avatar.body().expect("the sample hand");
+    for points in [700, 2000] {
+        recipe.cubature.points = Some(points);
+        let avatar = Arc::new(bake(&body, &recipe, &mut |_| {}).expect("a bake").0);
+        let cpu = Reference::new(avatar.clone(), 1, 2048).expect("the f64 evaluation");
+        pressed(
+            criterion,
+            &format!("step/cpu/{points} points"),
+            &avatar,
+            cpu,
+        )
+        .expect("a press");
+        let kernels = GpuPotential::new(
+            &gpu.device,
+            &gpu.queue,
+            avatar.clone(),
+            1,
+            GpuOptions::default(),
+        )
+        .expect("kernels");
+        let name = format!("step/{}/{points} points", gpu.adapter.name);
+        pressed(criterion, &name, &avatar, kernels).expect("a press");
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20);
+    targets = bench
+}
+criterion_main!(benches);

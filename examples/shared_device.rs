@@ -1,0 +1,32 @@
+//! A game that shares its wgpu device: two soft hands stepped together, drawn with no readback.
+//!
+//! `cargo run --release --example shared_device`
+
+use std::sync::Arc;
+use supple::gpu::{AdapterChoice, GpuDevice};
+use supple::load::{AvatarSource, Sample};
+use supple::sim::{Settings, Simulation};
+use supple::stage::{GpuOptions, GpuPotential};
+
+fn main() -> supple::Result<()> {
+    // A game has these already; make its device with `supple::gpu::required_limits()`.
+    let GpuDevice {
+        device,
+        queue,
+        adapter,
+    } = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))?;
+
+    let (body, recipe) = AvatarSource::of_sample(Sample::Hand).body()?;
+    let (avatar, _) = supple::bake::bake(&body, &recipe, &mut |_| {})?; // once; or bake::read_avatar(file)
+    let avatar = Arc::new(avatar);
+    let hands = GpuPotential::new(&device, &queue, avatar.clone(), 2, GpuOptions::default())?;
+    let mut simulation = Simulation::new(&avatar, hands, Settings::default())?;
+    for _frame in 0..60 {
+        // Each frame: move targets and colliders in `simulation.instances_mut()`, step, draw.
+        simulation.step_blocking()?; // or `simulation.step().await`
+        let hands = simulation.potential();
+        let (_vertices, _bytes) = (hands.skin_buffer(), hands.skin_range(0)); // set_vertex_buffer
+    }
+    println!("60 frames of two hands on {}", adapter.name);
+    Ok(())
+}
