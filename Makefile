@@ -13,7 +13,7 @@ bench:
 	cargo bench --features cli
 
 bench-smoke:
-	cargo bench --profile dev --features cli --benches -- --test
+	cargo bench --profile dev --features cli -- --test
 
 ci:
 	.ci/run

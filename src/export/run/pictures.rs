@@ -13,7 +13,7 @@ use glam::DVec3;
 const FLESH: u32 = 0xd98a7b;
 
 /// Draws the snapshots side by side: the skin coloured by its unposed displacement, and the colliders.
-/// All of them share camera and colour scale.
+/// All of them share the colour scale, and the camera where they do not ask for their own.
 pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Image {
     let output = &scene.output;
     let largest = snapshots
@@ -43,22 +43,12 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         ..View::new(camera, width, height)
     };
     let panel = |(snapshot, meshes): (&Snapshot, &Vec<Mesh>)| {
-        let camera = match snapshot.panel.focus {
-            None => camera,
-            Some(Focus {
-                point,
-                radius,
-                view,
-            }) => {
-                let direction = view.unwrap_or(output.view);
-                let corner = |k: usize| {
-                    let sign = |bit: usize| if k >> bit & 1 == 0 { -radius } else { radius };
-                    point + DVec3::new(sign(0), sign(1), sign(2)) / 3f64.sqrt()
-                };
-                let corners: Vec<_> = (0..8).map(corner).collect();
-                Camera::framing(&corners, direction, DVec3::Z, aspect)
-            }
+        let direction = snapshot.panel.view.unwrap_or(output.view);
+        let shown = match snapshot.panel.focus {
+            None => framed.clone(),
+            Some(Focus { point, radius }) => corners(point, radius),
         };
+        let camera = Camera::framing(&shown, direction, DVec3::Z, aspect);
         let view = View {
             camera,
             ..view.clone()
@@ -78,6 +68,15 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
     strip.compose(view.background)
 }
 
+/// Corners of the cube in a ball.
+fn corners(centre: DVec3, radius: f64) -> Vec<DVec3> {
+    let corner = |k: usize| {
+        let sign = |bit: usize| if k >> bit & 1 == 0 { -radius } else { radius };
+        centre + DVec3::new(sign(0), sign(1), sign(2)) / 3f64.sqrt()
+    };
+    (0..8).map(corner).collect()
+}
+
 fn meshes(scene: &Scene, avatar: &Avatar, snapshot: &Snapshot, maximum: f64) -> Vec<Mesh> {
     let skin = Surface {
         positions: snapshot.skin.clone(),
@@ -92,6 +91,9 @@ fn meshes(scene: &Scene, avatar: &Avatar, snapshot: &Snapshot, maximum: f64) -> 
         Some(_) => skin.opened(from_srgb(FLESH)),
         None => skin,
     }];
+    if !snapshot.panel.colliders {
+        return meshes;
+    }
     let colour = from_srgb(COLLIDER_COLOUR);
     for (collider, frame) in scene.colliders.iter().zip(&snapshot.colliders) {
         let shape = &collider.shape;

@@ -162,6 +162,11 @@ pub struct PanelTime {
     pub caption: String,
     /// Shows only what is near a point; everything if not given.
     pub focus: Option<Focus>,
+    /// Direction in which the camera looks; [`Output::view`] if not given.
+    pub view: Option<DVec3>,
+    /// Whether colliders are drawn: without them the skin that they hide is seen.
+    #[serde(default = "drawn")]
+    pub colliders: bool,
 }
 
 /// A ball that fills a picture.
@@ -172,8 +177,6 @@ pub struct Focus {
     pub point: DVec3,
     /// Its radius, m.
     pub radius: f64,
-    /// Direction in which the camera looks; that of the other pictures if not given.
-    pub view: Option<DVec3>,
 }
 
 /// A plane that opens the skin.
@@ -197,6 +200,10 @@ impl Default for Output {
             record_every: 2,
         }
     }
+}
+
+fn drawn() -> bool {
+    true
 }
 
 fn earth() -> DVec3 {

@@ -135,11 +135,15 @@ impl Scene {
         for (i, panel) in self.output.panels.iter().enumerate() {
             let field = format!("output.panels[{i}].time");
             check(within(panel.time), field, "must lie within the run (s)")?;
-            let seen = |f: super::Focus| f.radius > 0.0 && f.view.is_none_or(|v| v.length() > 0.0);
             check(
-                panel.focus.is_none_or(seen),
-                format!("output.panels[{i}].focus"),
-                "needs a radius (m) and a direction that has a length",
+                panel.focus.is_none_or(|f| f.radius > 0.0),
+                format!("output.panels[{i}].focus.radius"),
+                "must be positive (m)",
+            )?;
+            check(
+                panel.view.is_none_or(|v| v.length() > 0.0),
+                format!("output.panels[{i}].view"),
+                "must be a direction that has a length",
             )?;
         }
         let [width, height] = self.output.panel_size;
