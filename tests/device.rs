@@ -3,16 +3,17 @@
 #![cfg(feature = "gpu")]
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
-use supple::gpu::{AdapterChoice, AdapterKind, Bindings, GpuDevice, Module, adapters};
+use supple::gpu::{AdapterChoice, AdapterKind, Bindings, GpuDevice, Module, Waiting, adapters};
 use supple::math::Random;
 use supple::model::{Avatar, Frame, State};
 use supple::potential::{Evaluation, Potential, StepStart, Trial};
 use supple::reference::Reference;
 use supple::sample::{random_avatar, random_state};
 use supple::stage::{GpuOptions, GpuPotential, Sources};
-use supple::{Error, GpuError};
+use supple::{Error, GpuError, wgpu};
 
 fn device() -> GpuDevice {
     pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
@@ -226,6 +227,15 @@ fn inactive_instances_are_left_alone() {
             .await
             .unwrap();
         assert_eq!(some, all);
+        // Nobody at all.
+        let nobody = [false; 3];
+        potential.begin_step(&starts, &nobody).await.unwrap();
+        potential
+            .evaluate(&states, &nobody, &mut some)
+            .await
+            .unwrap();
+        potential.energy_differences(&[], &mut []).await.unwrap();
+        assert_eq!(some, all);
     });
 }
 
@@ -233,10 +243,18 @@ fn inactive_instances_are_left_alone() {
 fn it_agrees_with_the_f64_evaluation() {
     let gpu = device();
     let avatar = Arc::new(random_avatar(5, 6, 12, 150, 300));
-    let case = case(3, &avatar);
-    let mut on_device = potential(&gpu, &avatar, 1, GpuOptions::default());
+    let touching = case(3, &avatar);
+    let mut free = case(4, &avatar);
+    free.colliders.clear();
+    for case in [touching, free] {
+        agrees(&gpu, &avatar, &case);
+    }
+}
+
+fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {
+    let mut on_device = potential(gpu, avatar, 1, GpuOptions::default());
     let mut reference = Reference::new(avatar.clone(), 1, 2048).unwrap();
-    let (got, want) = (run(&mut on_device, &[&case]), run(&mut reference, &[&case]));
+    let (got, want) = (run(&mut on_device, &[case]), run(&mut reference, &[case]));
     // Some hundred roundings of 6e-8 in each of a few stages; tests of single kernels bound them sharply.
     let tolerance = 1e-4;
     let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>().sqrt();
@@ -350,6 +368,52 @@ fn what_goes_wrong_has_a_type() {
     let error = gpu_error(module.kernel(&gpu.device, "main", &Bindings::default()));
     assert!(matches!(error, GpuError::MissingBuffer { .. }), "{error}");
     assert!(error.to_string().contains("numbers"), "{error}");
+}
+
+#[test]
+fn a_host_may_drive_the_device() {
+    let gpu = device();
+    let avatar = Arc::new(random_avatar(8, 3, 5, 40, 100));
+    let case = case(1, &avatar);
+    let blocking = run(
+        &mut potential(&gpu, &avatar, 1, GpuOptions::default()),
+        &[&case],
+    );
+    let options = GpuOptions {
+        waiting: Waiting::Host,
+        ..GpuOptions::default()
+    };
+    let mut waiting = potential(&gpu, &avatar, 1, options);
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                gpu.device.poll(wgpu::PollType::Poll).unwrap();
+                std::thread::yield_now();
+            }
+        });
+        let outcome = run(&mut waiting, &[&case]);
+        done.store(true, Ordering::Relaxed);
+        assert_eq!(outcome, blocking);
+    });
+}
+
+#[test]
+fn a_lost_device_is_an_error() {
+    let gpu = device();
+    let avatar = Arc::new(random_avatar(9, 3, 5, 40, 100));
+    let case = case(1, &avatar);
+    let mut on_device = potential(&gpu, &avatar, 1, GpuOptions::default());
+    pollster::block_on(on_device.begin_step(&[start(&case)], &[true])).unwrap();
+    gpu.device.destroy();
+    let state = std::slice::from_ref(&case.states[0]);
+    let mut out = [Evaluation::default()];
+    let error = gpu_error(pollster::block_on(on_device.evaluate(
+        state,
+        &[true],
+        &mut out,
+    )));
+    assert!(matches!(error, GpuError::DeviceLost(_)), "{error}");
 }
 
 #[test]

@@ -222,8 +222,11 @@ impl Potential for GpuPotential {
             };
             self.push(header, &current, state, origin);
         }
-        self.upload(instances);
         let count = self.batch.len();
+        if count == 0 {
+            return Ok(());
+        }
+        self.upload(instances);
         let summary_bytes = (count * size_of::<Summary>()) as u64;
         let stride = self.buffers.result_stride;
         let bytes = summary_bytes + (4 * count * stride) as u64;
