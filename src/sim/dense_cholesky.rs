@@ -194,7 +194,7 @@ impl<T: Real> Factor<T> {
         }
         for (dof, &fixed) in fixed.iter().enumerate() {
             let shift = if fixed { 1.0 } else { shift };
-            self.matrix[(dof, dof)] = self.matrix[(dof, dof)] + T::from_f64(shift);
+            self.matrix[(dof, dof)] += T::from_f64(shift);
         }
         factor::cholesky_in_place(
             self.matrix.as_mut(),
@@ -205,7 +205,8 @@ impl<T: Real> Factor<T> {
         )
         .map_err(|factor::LltError::NonPositivePivot { index }| index)?;
         // A NaN pivot is not positive either.
-        match (0..fixed.len()).find(|&k| !(self.matrix[(k, k)].to_f64() > 0.0)) {
+        let positive = |k: usize| self.matrix[(k, k)].to_f64() > 0.0;
+        match (0..fixed.len()).find(|&k| !positive(k)) {
             Some(index) => Err(index),
             None => Ok(()),
         }
