@@ -37,12 +37,12 @@ fn colliders() -> [Collider; 2] {
     [
         collider(
             cylinder,
-            DVec3::new(0.0, 0.0, -0.025),
+            DVec3::new(0.0, 0.0, -0.022),
             DMat3::from_rotation_y(1.57),
         ),
         collider(
             Shape::HalfSpace,
-            DVec3::new(0.0, 0.0, -0.03),
+            DVec3::new(0.0, 0.0, -0.02),
             DMat3::IDENTITY,
         ),
     ]
@@ -73,6 +73,7 @@ fn bench(criterion: &mut Criterion) {
                 pollster::block_on(potential.evaluate(black_box(&states), &[true], &mut out))
             });
         });
+        let contacts = out[0].contacts;
         group.bench_function("pose_skin", |b| {
             b.iter(|| pollster::block_on(potential.pose_skin(black_box(&states))));
         });
@@ -98,8 +99,18 @@ fn bench(criterion: &mut Criterion) {
                 )
             });
         });
+        let free = StepStart {
+            colliders: &[],
+            ..start
+        };
+        pollster::block_on(potential.begin_step(&[free], &[true])).expect("a valid start");
+        group.bench_function("evaluate without contact", |b| {
+            b.iter(|| {
+                pollster::block_on(potential.evaluate(black_box(&states), &[true], &mut out))
+            });
+        });
         group.finish();
-        println!("{} contacts active", out[0].contacts);
+        println!("{contacts} contacts active");
     }
 }
 

@@ -91,7 +91,6 @@ impl Instance {
         self.evaluate_levers(asset);
         self.timings.force += watch.ms();
         let watch = Stopwatch::start();
-        out.hessian.clear();
         out.hessian.resize(asset.pattern.len(), [0.0; 9]);
         self.gather(asset, &mut out.hessian);
         self.timings.hessian += watch.ms();
@@ -189,6 +188,7 @@ impl Instance {
         par_split(asset.space.blocks(), ROW_GRAIN, parts, |row, parts| {
             let (force, out) = parts;
             *force = DVec3::ZERO;
+            out.fill([0.0; 9]);
             gather_points(&asset.cubature_incidence, row, point, force, out);
             gather_contacts(
                 &self.contact_rows,

@@ -29,7 +29,7 @@ pub fn gradient<B: Basis>(point: &PointView<'_, B>, local: usize) -> DVec3 {
     if local >= frames {
         let n = &point.basis[local - frames];
         n.pull_back(terms.pulled_force) + n.stress_force(terms.stress)
-    } else if local % 2 == 0 {
+    } else if local.is_multiple_of(2) {
         point.skinning[local / 2].weight * terms.force
     } else {
         point.arms[local / 2].cross(terms.force)

@@ -46,6 +46,11 @@ impl<B: Basis> Points<B> {
         self.skinning.len()
     }
 
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Blocks of every point, rising.
     pub fn blocks(&self, space: Space) -> Rows<u32> {
         let rows = self.skinning.iter().zip(self.basis.iter());
