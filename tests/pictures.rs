@@ -2,7 +2,7 @@
 
 use supple::collider::Shape;
 use supple::export::{
-    Camera, Legend, Mesh, Panel, Plane, Strip, View, colour_map, from_srgb, render,
+    Camera, Legend, Mesh, Panel, Plane, Projection, Strip, View, colour_map, from_srgb, render,
 };
 use supple::glam::{DMat3, DVec3};
 use supple::model::{Frame, Surface};
@@ -104,4 +104,92 @@ fn a_strip_shows_shape_shadow_cut_and_legend() {
     );
     let again = render(&meshes, &whole);
     assert_eq!(again, strip.panels[0].image, "same input, same picture");
+}
+
+/// An orthographic picture of a ball, 100 pixels across, 0.1 m high.
+fn ball_view() -> (Mesh, View) {
+    let camera = Camera {
+        eye: DVec3::new(0.0, -1.0, 0.6),
+        target: DVec3::ZERO,
+        up: DVec3::Z,
+        projection: Projection::Orthographic(0.1),
+    };
+    let ball = sphere(DVec3::ZERO, 0.02, 0xb03030);
+    (ball, View::new(camera, 100, 100))
+}
+
+#[test]
+fn a_ball_covers_its_disc() {
+    let (ball, view) = ball_view();
+    let image = render(&[ball], &view);
+    let red = |p: &&[u8; 3]| i32::from(p[0]) > i32::from(p[1]) + 30;
+    let covered = image.pixels.iter().filter(red).count() as f64;
+    let expected = std::f64::consts::PI * 20.0f64.powi(2);
+    assert!(
+        (covered / expected - 1.0).abs() < 0.05,
+        "{covered} of {expected}"
+    );
+    let luminance = |x: usize, y: usize| {
+        let p = image.pixels[y * 100 + x];
+        p.iter().map(|c| i32::from(*c)).sum::<i32>()
+    };
+    assert!(
+        luminance(44, 42) > luminance(58, 62) + 60,
+        "light from the upper left"
+    );
+}
+
+#[test]
+fn a_floor_shows_shadow_and_nothing_else() {
+    let (ball, view) = ball_view();
+    let plain = render(std::slice::from_ref(&ball), &view);
+    let floor = Some(-0.021);
+    let shadowed = render(&[ball], &View { floor, ..view });
+    let darker = |(a, b): (&[u8; 3], &[u8; 3])| i32::from(a[1]) - i32::from(b[1]);
+    let change: Vec<i32> = plain
+        .pixels
+        .iter()
+        .zip(&shadowed.pixels)
+        .map(darker)
+        .collect();
+    assert!(change.iter().all(|d| *d >= -1), "a floor never brightens");
+    assert!(
+        change.iter().any(|d| *d > 25),
+        "the ball stands in its shadow"
+    );
+    assert!(
+        change.iter().filter(|d| **d == 0).count() > 2000,
+        "far away there is none"
+    );
+}
+
+#[test]
+fn a_cut_shows_the_inside_in_its_own_colour() {
+    let (ball, view) = ball_view();
+    let plane = Plane {
+        point: DVec3::new(0.0, -0.01, 0.0),
+        normal: -DVec3::Y,
+    };
+    let view = View {
+        clip: Some(plane),
+        ..view
+    };
+    let blue = |meshes: &[Mesh]| {
+        let image = render(meshes, &view);
+        let blue = |p: &&[u8; 3]| i32::from(p[2]) > i32::from(p[0]) + 30;
+        image.pixels.iter().filter(blue).count() as f64
+    };
+    assert_eq!(
+        blue(std::slice::from_ref(&ball)),
+        0.0,
+        "what has no cut colour stays whole"
+    );
+    // The disc of radius √(20² − 10²) mm, seen at an angle.
+    let slant = (DVec3::new(0.0, 1.0, -0.6).normalize()).y;
+    let expected = std::f64::consts::PI * (400.0 - 100.0) * slant;
+    let found = blue(&[ball.opened(from_srgb(0x3060d0))]);
+    assert!(
+        (found / expected - 1.0).abs() < 0.06,
+        "{found} of {expected}"
+    );
 }

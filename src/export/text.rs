@@ -8,7 +8,7 @@ pub fn text_width(text: &str, size: usize) -> usize {
 }
 
 /// Width of a character, in lines.
-const ADVANCE: f64 = 0.62;
+const ADVANCE: f64 = 0.68;
 
 /// Draws one line of text with its top left corner at (`x`, `y`).
 ///

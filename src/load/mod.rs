@@ -2,6 +2,7 @@
 
 mod avatar_source;
 pub(crate) mod npy;
+mod npz;
 mod obj;
 pub mod scene;
 mod smpl;

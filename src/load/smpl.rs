@@ -11,7 +11,8 @@
 //! | `posedirs` | vertices × 3 × 9 (bones − 1) | optional |
 //! | `joint_names` | bones | optional, texts |
 
-use super::npy::{Archive, Array};
+use super::npy::Array;
+use super::npz::Archive;
 use crate::Result;
 use crate::math::Rows;
 use crate::model::{ParametricModel, SkinWeight};

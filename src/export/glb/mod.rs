@@ -7,6 +7,7 @@
 mod buffer;
 mod document;
 mod morph;
+mod normals;
 
 pub use document::{GlbReport, write_glb};
 pub use morph::{MORPH_TOLERANCE, MOST_MORPHS};

@@ -12,7 +12,7 @@ const LAMPS: usize = 224;
 /// Samples of a pixel that share the lamps among them.
 const INTERLEAVE: usize = 4;
 /// Samples along a side of a shadow map.
-const RESOLUTION: usize = 640;
+const RESOLUTION: usize = 768;
 
 /// A lamp infinitely far away.
 struct Lamp {

@@ -153,7 +153,7 @@ impl Studio<'_> {
         let (light, open) = self.dome.irradiance(point, self.up, turn);
         // Shadow maps end at the bounding ball; fade before that.
         let away = (point - self.centre).length() / self.radius;
-        let fade = (1.6 - 1.6 * away).clamp(0.0, 1.0);
+        let fade = (3.0 - 3.0 * away).clamp(0.0, 1.0);
         let share = 1.0 - fade * (1.0 - light / open.max(1e-9));
         mix([0.0; 3], background, share as f32)
     }
@@ -170,5 +170,5 @@ fn bounding_ball(meshes: &[Mesh]) -> (DVec3, f64) {
     }
     let centre = 0.5 * (low + high);
     let radius = points().map(|p| (*p - centre).length()).fold(0.0, f64::max);
-    (centre, 1.25 * radius.max(1e-6))
+    (centre, 1.6 * radius.max(1e-6))
 }
