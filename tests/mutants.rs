@@ -5,7 +5,8 @@
 mod kernels;
 
 use kernels::CHECKS;
-use kernels::scene::{Scene, avatar, device};
+use kernels::input::avatar;
+use kernels::scene::{Scene, device};
 use supple::stage::Sources;
 use supple::{Error, GpuError};
 

@@ -1,9 +1,12 @@
 //! One typed wrapper a kernel, and the evaluation of the potential made of them.
 
+mod begin;
 mod buffers;
 mod compact;
+mod compare;
 mod contact;
 mod displacement;
+mod draw;
 mod elasticity;
 mod energy;
 mod evaluate;

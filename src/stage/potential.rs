@@ -17,7 +17,7 @@ use super::tables::Tables;
 use super::{Batch, Sources};
 use crate::gpu::{Readback, Waiting};
 use crate::model::{Avatar, Space, State};
-use crate::potential::BlockPattern;
+use crate::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
 use crate::{Error, Result};
 use glam::DVec3;
 use std::ops::Range;
@@ -98,7 +98,7 @@ pub struct GpuPotential {
     pub(super) skin_origins: Vec<DVec3>,
     /// Pose features of each instance's drawn skin; empty before it is drawn.
     pub(super) drawn_features: Vec<Vec<f32>>,
-    // What the next submission uploads; kept so that a step allocates nothing.
+    // What the next submission uploads; kept to spare allocations.
     pub(super) batch: Vec<BatchState>,
     pub(super) frames: Vec<Frame>,
     pub(super) handles: Vec<Handle>,
@@ -185,10 +185,6 @@ impl GpuPotential {
         self.skin_origins[instance]
     }
 
-    pub(super) fn space(&self) -> Space {
-        self.avatar.space()
-    }
-
     pub(super) fn submit(
         &self,
         record: impl FnOnce(&Stages, &mut wgpu::ComputePass<'_>),
@@ -226,5 +222,53 @@ impl GpuPotential {
         readback
             .read(&self.device, buffer.size(), <[u8]>::to_vec)
             .await
+    }
+}
+
+impl Potential for GpuPotential {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn space(&self) -> Space {
+        self.avatar.space()
+    }
+
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn instances(&self) -> usize {
+        self.starts.len()
+    }
+
+    async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
+        self.begin(starts, active).await
+    }
+
+    async fn evaluate(
+        &mut self,
+        states: &[State],
+        active: &[bool],
+        out: &mut [Evaluation],
+    ) -> Result<()> {
+        self.evaluate_states(states, active, out).await
+    }
+
+    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+        self.compare(trials, out).await
+    }
+
+    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+        self.draw(states).await
+    }
+
+    async fn read_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        self.read_drawn(instance, positions, normals).await
     }
 }

@@ -1,9 +1,11 @@
 //! States into the form that kernels read: differences are taken in f64, then rounded.
 
-use super::shared::{Collider, Frame, Handle, Mat3};
+use super::potential::{GpuPotential, Start};
+use super::shared::{BatchState, Collider, Frame, Handle, Mat3};
 use super::tables::round;
 use crate::collider;
-use crate::model::{self, Skeleton, State};
+use crate::model::{self, Skeleton, State, pose_feature};
+use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 
 fn columns(m: DMat3) -> Mat3 {
@@ -12,7 +14,7 @@ fn columns(m: DMat3) -> Mat3 {
 }
 
 /// Frames of `state` relative to `origin`, with their increments from `base`.
-pub(super) fn frames<'a>(
+fn frames<'a>(
     skeleton: &'a Skeleton,
     base: &'a State,
     state: &'a State,
@@ -33,7 +35,7 @@ pub(super) fn frames<'a>(
 }
 
 /// Handles of `base` with their increments to `state`.
-pub(super) fn handles<'a>(base: &'a State, state: &'a State) -> impl Iterator<Item = Handle> + 'a {
+fn handles<'a>(base: &'a State, state: &'a State) -> impl Iterator<Item = Handle> + 'a {
     (base.handles.iter())
         .zip(&state.handles)
         .map(|(b, s)| Handle {
@@ -53,5 +55,70 @@ pub(super) fn collider(collider: &collider::Collider, origin: DVec3) -> Collider
         margin: collider.margin as f32,
         shape: collider.shape.index(),
         ..Collider::default()
+    }
+}
+
+impl GpuPotential {
+    pub(super) fn check_length(&self, field: &str, length: usize) -> Result<()> {
+        let instances = self.starts.len();
+        if length == instances {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            field,
+            format!("{length} given for {instances} instances"),
+        ))
+    }
+
+    pub(super) fn check_state(&self, state: &State) -> Result<()> {
+        if state.space() != self.avatar.space() {
+            return Err(Error::invalid("state", "is of another avatar"));
+        }
+        if !state.is_finite() {
+            return Err(Error::NotFinite { quantity: "state" });
+        }
+        Ok(())
+    }
+
+    pub(super) fn start(&self, instance: usize) -> Result<&Start> {
+        (self.starts.get(instance))
+            .and_then(Option::as_ref)
+            .ok_or_else(|| {
+                Error::invalid(
+                    "instance",
+                    format!("{instance} has not begun a step; call begin_step first"),
+                )
+            })
+    }
+
+    pub(super) fn clear_uploads(&mut self) {
+        self.batch.clear();
+        self.frames.clear();
+        self.handles.clear();
+        self.features.clear();
+    }
+
+    /// Appends a state to the uploads.
+    pub(super) fn push(&mut self, header: BatchState, base: &State, state: &State, origin: DVec3) {
+        let skeleton = &self.avatar.skeleton;
+        self.batch.push(header);
+        (self.frames).extend(frames(skeleton, base, state, origin));
+        self.handles.extend(handles(base, state));
+    }
+
+    pub(super) fn push_features(&mut self, state: &State) {
+        if self.buffers.features.is_empty() {
+            return;
+        }
+        let feature = pose_feature(&self.avatar.skeleton.parents, &state.frames);
+        self.features.extend(feature.iter().map(|&f| f as f32));
+    }
+
+    /// Sends the uploads; states go to consecutive slots from `slot` on.
+    pub(super) fn upload(&self, slot: usize) {
+        let space = self.avatar.space();
+        self.buffers.batch.write(&self.queue, 0, &self.batch);
+        (self.buffers.frames).write(&self.queue, slot * space.frames, &self.frames);
+        (self.buffers.handles).write(&self.queue, slot * space.handles, &self.handles);
     }
 }

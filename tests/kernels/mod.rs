@@ -3,6 +3,7 @@
 pub mod bound;
 pub mod contacts;
 pub mod energies;
+pub mod input;
 pub mod points;
 pub mod scene;
 pub mod sums;

@@ -1,19 +1,19 @@
 //! A seeded random scene run on the device, and everything its kernels read and wrote.
 
+use super::input::{avatar, colliders, rounded_collider};
 use super::{INSTANCE, INSTANCES};
 use bytemuck::AnyBitPattern;
 use std::collections::HashMap;
 use std::sync::Arc;
 use supple::Result;
-use supple::collider::{Collider, Shape};
+use supple::collider::Collider;
 use supple::glam::{DMat3, DVec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::material::{Material, StableNeoHookean};
-use supple::math::{Random, Rows};
-use supple::model::{Avatar, BasisEntry, Frame, PointSet, SkinWeight, State};
+use supple::math::Random;
+use supple::model::{Avatar, Frame, PointSet, State};
 use supple::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
 use supple::reference::displacement::FrameMotion;
-use supple::sample::{random_avatar, random_state};
+use supple::sample::random_state;
 use supple::stage::{GpuOptions, GpuPotential, Sources, shared};
 
 /// h: a power of two, so that its inverse is exact.
@@ -260,110 +260,4 @@ pub fn vec(v: [f32; 3]) -> DVec3 {
 pub fn mat(m: shared::Mat3) -> DMat3 {
     let [x, y, z] = m.map(|c| vec([c[0], c[1], c[2]]));
     DMat3::from_cols(x, y, z)
-}
-
-fn single(x: f64) -> f64 {
-    f64::from(x as f32)
-}
-
-fn single_vec(v: DVec3) -> DVec3 {
-    v.as_vec3().as_dvec3()
-}
-
-/// A random avatar whose numbers are exact in f32, some points naming their bones in falling order.
-pub fn avatar(seed: u64) -> Avatar {
-    let mut avatar = random_avatar(seed, 5, 9, 90, 150);
-    avatar.damping_time = 1.0 / 64.0;
-    // Compressible, so that terms of the volume do not hide those of the shape.
-    avatar.material = Material::StableNeoHookean(StableNeoHookean {
-        youngs_modulus: 3e4,
-        poissons_ratio: 0.1,
-    });
-    for joint in &mut avatar.skeleton.joints {
-        *joint = single_vec(*joint);
-    }
-    for set in [&mut avatar.cubature, &mut avatar.skin] {
-        set.position.iter_mut().for_each(|x| *x = single_vec(*x));
-        set.measure.iter_mut().for_each(|m| *m = single(*m));
-        let weight = |w: &SkinWeight| SkinWeight {
-            weight: single(w.weight),
-            ..*w
-        };
-        let entry = |u: &BasisEntry| BasisEntry {
-            value: single(u.value),
-            gradient: single_vec(u.gradient),
-            ..*u
-        };
-        set.skinning = some_reversed(&set.skinning.map(weight));
-        set.basis = set.basis.map(entry);
-    }
-    avatar
-}
-
-fn some_reversed(rows: &Rows<SkinWeight>) -> Rows<SkinWeight> {
-    let row = |(i, row): (usize, &[SkinWeight])| {
-        let mut row = row.to_vec();
-        if i % 3 == 1 {
-            row.reverse();
-        }
-        row
-    };
-    rows.iter().enumerate().map(row).collect()
-}
-
-/// One collider of every shape, set so that parts of the skin touch it.
-fn colliders(seed: u64, origin: DVec3) -> Vec<Collider> {
-    let random = &mut Random::new(seed ^ 0x5eed);
-    let collider = |shape: Shape| {
-        let offset = match shape {
-            Shape::HalfSpace => DVec3::ZERO,
-            _ => random.vector(0.03),
-        };
-        let frame = Frame {
-            rotation: random.rotation(3.0),
-            position: origin + offset,
-        };
-        Collider {
-            shape: rounded_shape(shape),
-            frame,
-            previous: frame,
-            stiffness: single(random.uniform(1e6, 2e6)),
-            margin: single(random.uniform(2e-3, 6e-3)),
-        }
-    };
-    Shape::examples().into_iter().map(collider).collect()
-}
-
-fn rounded_shape(shape: Shape) -> Shape {
-    match shape {
-        Shape::HalfSpace => Shape::HalfSpace,
-        Shape::Sphere { radius } => Shape::Sphere {
-            radius: single(radius),
-        },
-        Shape::Capsule {
-            radius,
-            half_length,
-        } => Shape::Capsule {
-            radius: single(radius),
-            half_length: single(half_length),
-        },
-        Shape::Cylinder {
-            radius,
-            half_length,
-        } => Shape::Cylinder {
-            radius: single(radius),
-            half_length: single(half_length),
-        },
-        Shape::Box { half_extents } => Shape::Box {
-            half_extents: half_extents.map(single),
-        },
-    }
-}
-
-fn rounded_collider(c: Collider) -> Collider {
-    let frame = Frame {
-        rotation: c.frame.rotation.as_mat3().as_dmat3(),
-        position: single_vec(c.frame.position),
-    };
-    Collider { frame, ..c }
 }
