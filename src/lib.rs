@@ -1,11 +1,33 @@
 //! Real-time soft tissue for skinned avatars.
 //!
 //! `supple` keeps the data-driven skinned shape of a character exactly while nothing touches it, and
-//! deforms, jiggles and pushes back on the skeleton when something does.
+//! deforms, jiggles and pushes back on the skeleton when something does. The method is that of Tapia,
+//! Romero, Pérez and Otaduy, *Parametric Skeletons with Reduced Soft-Tissue Deformations* (2021).
 //!
 //! # Architecture
 //!
-//! The folders read in the order the data flows, and imports run downward only:
+//! **Constant and changing things are different types.** A [`model::Avatar`] is baked once
+//! ([`bake::bake`]) and never changes; a [`model::State`] holds what moves: a rigid frame for each bone
+//! and a displacement φ for each handle, in f64. [`model::Space`] numbers the degrees of freedom.
+//!
+//! **A step minimises one incremental potential** (backward Euler). [`sim::Simulation`] predicts, and
+//! its Newton iteration asks [`potential::Potential`] for a batch of energies, gradients and packed
+//! Hessians. Two implementations answer: [`reference::Reference`] in f64 on the CPU, and
+//! `stage::GpuPotential` in WGSL on the host's own device. The bones' own energies
+//! ([`skeleton`]) are added in f64, and the small dense system is solved by faer.
+//!
+//! **The stages of an evaluation have one name everywhere**: `pose_blend`, `displacement`,
+//! `elasticity`, `contact`, `compact`, `gradient`, `point_hessian`, `hessian`, `energy`, and for the
+//! drawn skin `skin` and `normals`. Stage x is `kernels/x.wgsl`, its host side `src/stage/x.rs`, its
+//! twin `src/reference/x.rs`. Twins are written independently and compared from the same inputs.
+//!
+//! **The full space is another basis, not another solver**: [`bake::full_space`] makes every node a
+//! handle, the same Newton runs, and [`sim::SparseCholesky`] takes the dense solver's place.
+//!
+//! **A new material or collider** is one file in [`material`] or [`collider`], one kernel of the same
+//! name, and one line in a list that tests and kernels loop over.
+//!
+//! Imports run downward only (a test reads them):
 //!
 //! | rank | modules | what lives there |
 //! |---|---|---|
@@ -16,6 +38,11 @@
 //! | 4 | [`load`], [`sample`], [`bake`], [`sim`] | files in, generated models, offline precomputation, the step |
 //! | 5 | [`export`] | pictures, GLB, reports out |
 //! | 6 | `cli` | the command |
+//!
+//! # Units and conventions
+//!
+//! SI everywhere: m, kg, s, Pa, rad. Positions are in world space unless a name says unposed. A
+//! rotation moves by a left increment, R ← exp(\[δω\]) R. Triangles are counter-clockwise from outside.
 #![warn(missing_docs)]
 
 pub mod bake;
@@ -42,3 +69,8 @@ pub use error::{Error, GpuError, Result};
 pub use glam;
 #[cfg(feature = "gpu")]
 pub use wgpu;
+
+/// The README's example compiles.
+#[cfg(all(doctest, feature = "gpu"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

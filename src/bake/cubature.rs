@@ -99,28 +99,24 @@ impl Cubature {
         }
     }
 
-    /// About `count` points. Every tet where the sample would take half of them or more, or where
-    /// samples keep having more than 3 % negative weights.
+    /// About `count` points, nine in ten of them in the tets that `moving` handles reach: elsewhere a
+    /// point carries mass and nothing else. Every tet where the sample would take half of them or more,
+    /// or where samples keep having more than 3 % negative weights.
     ///
     /// # Errors
     /// [`Error::Invalid`] where `count` is below 5: four points only just carry the first moments.
-    pub fn sampled(tissue: Tissue<'_>, count: usize) -> Result<Self> {
+    pub fn sampled(tissue: Tissue<'_>, count: usize, moving: &[bool]) -> Result<Self> {
         if count < 5 {
             return Err(Error::invalid("cubature.points", "at least 5 are needed"));
         }
-        let candidates = candidates(tissue, count);
-        let centroids: Vec<DVec3> = (candidates.iter())
-            .map(|&t| tissue.mesh.centroid(t as usize))
-            .collect();
+        let (moving, still): (Vec<u32>, Vec<u32>) =
+            (candidates(tissue, count).into_iter()).partition(|&t| moving[t as usize]);
         let mut count = count;
         for sample in 1..=MOST_SAMPLES {
             if 2 * count >= tissue.mesh.tets.len() || count < 5 {
                 break;
             }
-            let tets: Vec<u32> = farthest_points(&centroids, &[], Density::Count(count))
-                .into_iter()
-                .map(|i| candidates[i as usize])
-                .collect();
+            let tets = spread(tissue.mesh, &moving, &still, count);
             // Points too dense for the mesh give a singular system: thin out as well.
             if let Ok(weights) = raw_weights(tissue, &tets)
                 && let Some(cubature) = keep_positive(tissue, &tets, &weights, sample)
@@ -133,6 +129,22 @@ impl Cubature {
         whole.report.samples = MOST_SAMPLES;
         Ok(whole)
     }
+}
+
+/// `count` tets spread evenly, nine in ten of them among `moving` where there are others.
+fn spread(mesh: &TetMesh, moving: &[u32], still: &[u32], count: usize) -> Vec<u32> {
+    let outside = if moving.is_empty() { count } else { count / 10 };
+    let inside = count - outside.min(still.len());
+    let mut tets = Vec::with_capacity(count);
+    let mut places = Vec::with_capacity(count);
+    for (part, count) in [(moving, inside), (still, outside)] {
+        let centroids: Vec<DVec3> = part.iter().map(|&t| mesh.centroid(t as usize)).collect();
+        for i in farthest_points(&centroids, &places, Density::Count(count)) {
+            tets.push(part[i as usize]);
+        }
+        places.extend(tets.iter().map(|&t| mesh.centroid(t as usize)));
+    }
+    tets
 }
 
 /// Tets that may carry a point: those mostly tissue, if they are many, so that points lie inside it.
@@ -255,7 +267,7 @@ mod tests {
             fraction: &fraction,
         };
         let (volume, first) = tissue.moments();
-        let cubature = Cubature::sampled(tissue, 60).unwrap();
+        let cubature = Cubature::sampled(tissue, 60, &vec![true; mesh.tets.len()]).unwrap();
         assert!(!cubature.report.all_tets, "{:?}", cubature.report);
         assert!(cubature.weights.iter().all(|w| *w > 0.0));
         assert!((cubature.weights.iter().sum::<f64>() / volume - 1.0).abs() < 1e-12);
@@ -316,8 +328,9 @@ mod tests {
             mesh: &mesh,
             fraction: &fraction,
         };
-        let cubature = Cubature::sampled(tissue, mesh.tets.len() / 2).unwrap();
+        let all = vec![true; mesh.tets.len()];
+        let cubature = Cubature::sampled(tissue, mesh.tets.len() / 2, &all).unwrap();
         assert!(cubature.report.all_tets && cubature.weights == tissue.tet_volumes());
-        assert!(Cubature::sampled(tissue, 4).is_err());
+        assert!(Cubature::sampled(tissue, 4, &all).is_err());
     }
 }

@@ -68,7 +68,8 @@ pub fn colour_map(t: f64) -> Colour {
             })
             .collect()
     });
-    let place = t.clamp(0.0, 1.0) * STEPS as f64;
+    let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
+    let place = t * STEPS as f64;
     let below = (place as usize).min(STEPS - 1);
     mix(
         TABLE[below],

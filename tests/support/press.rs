@@ -11,6 +11,7 @@ use supple::sample::Limb;
 use supple::sim::{LinearSolver, Pin, Settings, Simulation, SolverMode, SparseCholesky};
 
 /// What a press ends in.
+#[allow(dead_code, reason = "every user reads its own part")]
 pub struct Pressed {
     /// Displacement of the skin from rest, m.
     pub displacement: Vec<DVec3>,
