@@ -112,18 +112,26 @@ impl Cubature {
         let (moving, still): (Vec<u32>, Vec<u32>) =
             (candidates(tissue, count).into_iter()).partition(|&t| moving[t as usize]);
         let mut count = count;
+        // Points of negative weight are dropped; a second sample of so many more makes up for them.
+        let mut short: Option<Self> = None;
         for sample in 1..=MOST_SAMPLES {
             if 2 * count >= tissue.mesh.tets.len() || count < 5 {
                 break;
             }
-            let tets = spread(tissue.mesh, &moving, &still, count);
+            let spare = short.as_ref().map_or(0, |c| count - c.tets.len());
+            let tets = spread(tissue.mesh, &moving, &still, count + spare);
             // Points too dense for the mesh give a singular system: thin out as well.
-            if let Ok(weights) = raw_weights(tissue, &tets)
-                && let Some(cubature) = keep_positive(tissue, &tets, &weights, sample)
-            {
-                return Ok(cubature);
+            let kept = raw_weights(tissue, &tets)
+                .ok()
+                .and_then(|weights| keep_positive(tissue, &tets, &weights, sample));
+            match (kept, short.take()) {
+                (Some(cubature), None) if cubature.tets.len() < count => short = Some(cubature),
+                (Some(cubature), _) | (None, Some(cubature)) => return Ok(cubature),
+                (None, None) => count = (count as f64 * THINNING) as usize,
             }
-            count = (count as f64 * THINNING) as usize;
+        }
+        if let Some(cubature) = short {
+            return Ok(cubature);
         }
         let mut whole = Self::all_tets(tissue);
         whole.report.samples = MOST_SAMPLES;

@@ -102,7 +102,8 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Avatar> {
 ///
 /// # Errors
 /// As [`to_bytes`], and [`Error::Io`].
-pub fn write_avatar(avatar: &Avatar, path: &Path) -> Result<()> {
+pub fn write_avatar(avatar: &Avatar, path: impl AsRef<Path>) -> Result<()> {
+    let path = path.as_ref();
     let bytes = to_bytes(avatar)?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
@@ -121,7 +122,8 @@ pub fn write_avatar(avatar: &Avatar, path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// As [`from_bytes`], and [`Error::Io`].
-pub fn read_avatar(path: &Path) -> Result<Avatar> {
+pub fn read_avatar(path: impl AsRef<Path>) -> Result<Avatar> {
+    let path = path.as_ref();
     let io = |source| Error::io(path, source);
     let file = File::open(path).map_err(io)?;
     let mut bytes = Vec::new();
