@@ -1,8 +1,9 @@
 .PHONY: demo test bench bench-smoke ci
 
 # The soft hand pressed on a cylinder; pictures, GLB and report in out/hand_press.
+# `make demo ARGS=--allow-software` takes a software adapter where there is no GPU.
 demo:
-	cargo run --release --features cli -- simulate assets/scenes/hand_press.toml -o out/hand_press
+	cargo run --release --features cli -- simulate assets/scenes/hand_press.toml -o out/hand_press $(ARGS)
 
 # Installs a software Vulkan driver if there is no adapter (Debian), then runs every test.
 test:
