@@ -6,6 +6,7 @@ use std::sync::Arc;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::load::{AvatarSource, Sample};
 use supple::sim::{Settings, Simulation};
+use supple::skeleton::Tracking;
 use supple::stage::{GpuOptions, GpuPotential};
 
 fn main() -> supple::Result<()> {
@@ -21,11 +22,16 @@ fn main() -> supple::Result<()> {
     let avatar = Arc::new(avatar);
     let hands = GpuPotential::new(&device, &queue, avatar.clone(), 2, GpuOptions::default())?;
     let mut simulation = Simulation::new(&avatar, hands, Settings::default())?;
+    for hand in simulation.instances_mut() {
+        hand.targets.push(Tracking::new(0, hand.state.frames[0])); // a spring holds the wrist
+    }
     for _frame in 0..60 {
-        // Each frame: move targets and colliders in `simulation.instances_mut()`, step, draw.
+        // What the tracker or the animation says; colliders go into `colliders`.
+        simulation.instances_mut()[0].targets[0].frame.position.z -= 0.001;
         simulation.step_blocking()?; // or `simulation.step().await`
         let hands = simulation.potential();
         let (_vertices, _bytes) = (hands.skin_buffer(), hands.skin_range(0)); // set_vertex_buffer
+        let _origin = hands.skin_origin(0); // positions are relative to it: translate by it
     }
     println!("60 frames of two hands on {}", adapter.name);
     Ok(())

@@ -41,8 +41,8 @@
 //!
 //! # Units and conventions
 //!
-//! SI everywhere: m, kg, s, Pa, rad. Positions are in world space unless a name says unposed. A
-//! rotation moves by a left increment, R ← exp(\[δω\]) R. Triangles are counter-clockwise from outside.
+//! SI everywhere: m, kg, s, Pa, rad. Positions are in world space unless a name says unposed (the
+//! GPU's skin buffer alone is relative to `stage::GpuPotential::skin_origin`). A rotation moves by a left increment, R ← exp(\[δω\]) R. Triangles are counter-clockwise from outside.
 #![warn(missing_docs)]
 
 pub mod bake;

@@ -95,6 +95,14 @@ impl Arguments {
         Ok(())
     }
 
+    /// Why the CPU was taken where nobody asked for it.
+    fn why_cpu(&self) -> &'static str {
+        match self.backend {
+            Backend::Auto => " (no hardware GPU was found; --allow-software takes a software one)",
+            _ => "",
+        }
+    }
+
     /// Runs on the chosen backend, and says on stderr which that is.
     fn simulate(&self, scene: &Scene, avatar: &Arc<Avatar>) -> Result<(SceneRun, String)> {
         if let Some(gpu) = self.open_gpu()? {
@@ -125,7 +133,7 @@ impl Arguments {
                 "cpu, full space".into(),
             ));
         }
-        eprintln!("backend: cpu");
+        eprintln!("backend: cpu{}", self.why_cpu());
         let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
         Ok((play(scene, avatar, &mut simulation)?, "cpu".into()))
     }
@@ -202,7 +210,7 @@ fn print_report(r: &Report) {
             format!("{:.3} median", r.ms_per_step_in_contact.median),
         ),
         (
-            "of which",
+            "medians of parts",
             format!(
                 "evaluation {:.3} (force {:.3}, Hessian {:.3}, readback {:.3}), solve {:.3}, skin {:.3}, \
                  skeleton {:.3}",
@@ -215,14 +223,14 @@ fn print_report(r: &Report) {
         (
             "unposed displacement",
             format!(
-                "{:.3} mm, {:.3} mm at full press",
+                "{:.3} mm at most, {:.3} mm at full press",
                 r.max_unposed_displacement_mm, r.full_press_displacement_mm
             ),
         ),
         (
-            "contact force, load",
+            "at full press",
             format!(
-                "{:.3} N, {:.3} N at full press",
+                "{:.3} N of contact, {:.3} N borne by targets and pins",
                 r.contact_force_n, r.load_n
             ),
         ),

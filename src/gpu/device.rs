@@ -126,8 +126,8 @@ impl GpuDevice {
         let Some((_, adapter, description)) = best else {
             let names: Vec<String> = found.iter().map(|a| a.get_info().name).collect();
             return Err(GpuError::NoAdapter(format!(
-                "{choice:?} was asked for and the machine has [{}]; a driver such as \
-                 mesa-vulkan-drivers brings a software one",
+                "{choice:?} was asked for and the machine has [{}]; allow a software adapter \
+                 (--allow-software), which a driver such as mesa-vulkan-drivers brings, or use the CPU",
                 names.join(", ")
             ))
             .into());

@@ -168,7 +168,8 @@ impl GpuPotential {
     }
 
     /// The drawn skin of all instances: a `VERTEX | STORAGE` buffer of [`SkinVertex`], 32 bytes each, the
-    /// position in the first 12 and the normal in 12 from the 16th on.
+    /// position in the first 12 and the normal in 12 from the 16th on. Positions are relative to
+    /// [`GpuPotential::skin_origin`].
     pub fn skin_buffer(&self) -> &wgpu::Buffer {
         self.buffers.skin_vertices.raw()
     }
