@@ -96,7 +96,7 @@ impl Arguments {
                 format!("{:.1} ml, {:.4} kg", c.tissue_volume_ml, c.tissue_mass_kg),
             ),
             ("bones' mass", format!("{:.4} kg", c.bone_mass_kg)),
-            ("material", format!("{:?}", c.material)),
+            ("material", c.material.to_string()),
             ("density", format!("{} kg/m³", c.density)),
             ("damping time", format!("{} s", c.damping_time)),
             (

@@ -87,6 +87,7 @@ impl Arguments {
         }
         let path = folder.join("report.json");
         std::fs::write(&path, to_json(&run.report)?).map_err(|e| Error::io(&path, e))?;
+        warn_of_the_implausible(&run.report);
         if self.json {
             return print_json(&run.report);
         }
@@ -186,6 +187,24 @@ fn time_stages(potential: &mut GpuPotential, breakdown: &mut Breakdown) -> Resul
         }
     }
     Ok(())
+}
+
+/// Says on stderr what no body would survive: the run ended, but its results mean little.
+fn warn_of_the_implausible(r: &Report) {
+    /// Beyond this a joint is torn, mm.
+    const TORN: f64 = 10.0;
+    if r.min_det_f <= 0.0 {
+        eprintln!(
+            "warning: tets were inverted (smallest det F {:.3}): more handles in the volume, or a gentler press, would help",
+            r.min_det_f
+        );
+    }
+    if r.max_joint_gap_mm > TORN {
+        eprintln!(
+            "warning: a joint came apart by {:.1} mm: a target may be out of reach, or the joint_stiffness too low",
+            r.max_joint_gap_mm
+        );
+    }
 }
 
 fn print_report(r: &Report) {

@@ -46,6 +46,18 @@ pub enum Material {
     StableNeoHookean(StableNeoHookean),
 }
 
+impl std::fmt::Display for Material {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::StableNeoHookean(m) => write!(
+                f,
+                "stable neo-Hookean, E = {} Pa, ν = {}",
+                m.youngs_modulus, m.poissons_ratio
+            ),
+        }
+    }
+}
+
 impl Material {
     /// One of each material with tissue-like parameters: what loops over all materials loops over.
     pub fn examples() -> Vec<Self> {
