@@ -2,7 +2,9 @@
 
 use crate::export::report::{Breakdown, Median, Report, Spread, percentile};
 use crate::load::Scene;
-use crate::model::{Avatar, State};
+use crate::model::{Avatar, BasisEntry, State};
+use crate::reference::displacement::unposed_displacement;
+use crate::reference::elasticity::displacement_gradient;
 use crate::reference::min_det_f;
 use crate::sim::{Instance, StepReport};
 use glam::{DMat3, DVec3};
@@ -47,7 +49,7 @@ impl<'a> Measures<'a> {
     /// Takes in step number `step`, counted from 1.
     pub fn add(&mut self, step: usize, report: &StepReport, instance: &Instance, skin: &[DVec3]) {
         const MM: f64 = 1e3;
-        self.displacement = unposed_displacement(self.avatar, &instance.state);
+        self.displacement = unposed_displacements(self.avatar, &instance.state);
         let longest = longest(self.displacement.iter().copied()) * MM;
         let this = &report.instances[0];
         let r = &mut self.report;
@@ -127,13 +129,10 @@ impl<'a> Measures<'a> {
 }
 
 /// Σ U φ at each skin vertex, m.
-fn unposed_displacement(avatar: &Avatar, state: &State) -> Vec<DVec3> {
-    let row = |row: &[crate::model::BasisEntry]| -> DVec3 {
-        row.iter()
-            .map(|u| u.value * state.handles[u.handle as usize])
-            .sum()
-    };
-    avatar.skin.basis.iter().map(row).collect()
+fn unposed_displacements(avatar: &Avatar, state: &State) -> Vec<DVec3> {
+    let rows = avatar.skin.basis.iter();
+    rows.map(|row| unposed_displacement(row, &state.handles))
+        .collect()
 }
 
 fn longest(vectors: impl Iterator<Item = DVec3>) -> f64 {
@@ -151,13 +150,9 @@ fn penetration(instance: &Instance, skin: &[DVec3]) -> f64 {
 /// Σ w Ψ(F) over the cubature points, J.
 fn elastic_energy(avatar: &Avatar, state: &State) -> f64 {
     let points = &avatar.cubature;
-    let energy = |(row, w): (&[crate::model::BasisEntry], &f64)| {
-        let mut f = DMat3::IDENTITY;
-        for u in row {
-            let (phi, g) = (state.handles[u.handle as usize], u.gradient);
-            f += DMat3::from_cols(phi * g.x, phi * g.y, phi * g.z);
-        }
-        w * avatar.material.energy_density(f)
+    let energy = |(row, w): (&[BasisEntry], &f64)| {
+        let deformation_gradient = DMat3::IDENTITY + displacement_gradient(row, &state.handles);
+        w * avatar.material.energy_density(deformation_gradient)
     };
     points.basis.iter().zip(&points.measure).map(energy).sum()
 }

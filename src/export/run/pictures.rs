@@ -43,12 +43,15 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         ..View::new(camera, width, height)
     };
     let panel = |(snapshot, meshes): (&Snapshot, &Vec<Mesh>)| {
-        let direction = snapshot.panel.view.unwrap_or(output.view);
-        let shown = match snapshot.panel.focus {
-            None => framed.clone(),
-            Some(Focus { point, radius }) => corners(point, radius),
+        let frame = |points: &[DVec3]| {
+            let direction = snapshot.panel.view.unwrap_or(output.view);
+            Camera::framing(points, direction, DVec3::Z, aspect)
         };
-        let camera = Camera::framing(&shown, direction, DVec3::Z, aspect);
+        let camera = match (snapshot.panel.focus, snapshot.panel.view) {
+            (None, None) => camera,
+            (None, Some(_)) => frame(&framed),
+            (Some(Focus { point, radius }), _) => frame(&corners(point, radius)),
+        };
         let view = View {
             camera,
             ..view.clone()
