@@ -3,6 +3,7 @@
 mod avatar;
 mod body;
 mod frame;
+mod motion_clip;
 mod parametric;
 mod points;
 mod skeleton;
@@ -13,6 +14,7 @@ mod tet_mesh;
 pub use avatar::{Avatar, BoneMass, SoftLayer};
 pub use body::{Body, LayerMesh};
 pub use frame::Frame;
+pub use motion_clip::{MotionClip, MotionFrame, UpAxis};
 pub use parametric::ParametricModel;
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
 pub use skeleton::{Skeleton, pose_feature, pose_feature_into};
