@@ -4,6 +4,7 @@ use super::{ParametricModel, PoseBlend, Skeleton, SkinWeight, Surface, TetMesh};
 use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// The meshed volume between bones and skin.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,6 +89,8 @@ pub struct Body {
     pub bone_surfaces: Vec<Surface>,
     /// The tissue between bones and skin.
     pub layer: LayerMesh,
+    /// Maps painted on the skin, by name: a number for each skin vertex, mostly 0 to 1. Recipes name them.
+    pub painted: BTreeMap<String, Vec<f64>>,
 }
 
 impl Body {
@@ -119,6 +122,7 @@ impl Body {
             pose_blend,
             bone_surfaces,
             layer: LayerMesh::default(),
+            painted: BTreeMap::new(),
         }
     }
 
@@ -149,6 +153,13 @@ impl Body {
             "pose_blend",
             "needs one column for each feature and skin vertex",
         )?;
+        for (name, values) in &self.painted {
+            check(
+                values.len() == vertices && values.iter().all(|v| v.is_finite()),
+                &format!("painted.{name}"),
+                "needs a finite number for each skin vertex",
+            )?;
+        }
         check(
             self.bone_surfaces.is_empty() || self.bone_surfaces.len() == bones,
             "bone_surfaces",

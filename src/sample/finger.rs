@@ -70,6 +70,7 @@ impl Finger {
             pose_blend: PoseBlend::default(),
             bone_surfaces: Vec::new(),
             layer,
+            painted: Default::default(),
         };
         body.validate()?;
         Ok(body)

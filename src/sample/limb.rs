@@ -198,6 +198,7 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
             skin_embedding: surface.iter().map(|&n| [(n, 1.0)]).collect::<Rows<_>>(),
             mesh,
         },
+        painted: Default::default(),
     };
     body.validate()?;
     Ok(body)
