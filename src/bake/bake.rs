@@ -5,7 +5,7 @@ use super::bone_mass::bone_masses;
 use super::cubature::{Cubature, Tissue};
 use super::handles::Handles;
 use super::interior::InteriorField;
-use super::mesh::MeshQuality;
+use super::mesh::{MeshQuality, MeshReport};
 use super::points::{basis_at_tets, basis_on_skin, skinning_at_tets};
 use super::{BakeReport, Recipe};
 use crate::math::Rows;
@@ -45,9 +45,10 @@ pub fn bake(
 
     clock.start(0);
     let mut meshed;
+    let mut mesh_report = MeshReport::default();
     let body = if body.layer.mesh.tets.is_empty() {
         meshed = body.clone();
-        meshed.layer = recipe.mesher.mesh(body)?;
+        mesh_report = recipe.mesher.mesh(&mut meshed)?;
         &meshed
     } else {
         body
@@ -145,6 +146,7 @@ pub fn bake(
     avatar.validate()?;
     let report = BakeReport {
         name: avatar.name.clone(),
+        mesh: mesh_report,
         nodes: quality.nodes,
         free_nodes: fixed.iter().filter(|f| !**f).count(),
         tets: quality.tets,

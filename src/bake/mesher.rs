@@ -1,6 +1,6 @@
 //! Which mesher makes the layer of a body that comes without one.
 
-use super::mesh::{LatticeSize, ShellOptions, lattice, prism_shell};
+use super::mesh::{LatticeSize, MeshReport, ShellOptions, lattice, prism_shell};
 use crate::Result;
 use crate::model::{Body, LayerMesh};
 use glam::DVec3;
@@ -27,12 +27,18 @@ const AUTOMATIC_NODES: usize = 20_000;
 const AUTOMATIC_DEPTH: f64 = 0.03;
 
 impl Mesher {
-    /// Meshes the layer of `body`.
+    /// Meshes the layer of `body`: sets its layer, turns its skin where that looks inward, and gives it
+    /// the bone surfaces that were derived.
     ///
     /// # Errors
     /// Those of the mesher: [`crate::Error::Invalid`] where skin or bones are open or an option is out
     /// of range.
-    pub fn mesh(&self, body: &Body) -> Result<LayerMesh> {
+    pub fn mesh(&self, body: &mut Body) -> Result<MeshReport> {
+        body.layer = self.layer(body)?;
+        Ok(MeshReport::default())
+    }
+
+    fn layer(&self, body: &Body) -> Result<LayerMesh> {
         let has_bones = body.bone_surfaces.iter().any(|b| !b.triangles.is_empty());
         match *self {
             Self::Auto if has_bones => {

@@ -2,6 +2,7 @@
 
 use super::bone_mass::BoneMassReport;
 use super::cubature::CubatureReport;
+use super::mesh::MeshReport;
 use serde::{Deserialize, Serialize};
 
 /// Figures of a bake, for people and for JSON.
@@ -9,6 +10,8 @@ use serde::{Deserialize, Serialize};
 pub struct BakeReport {
     /// What was baked.
     pub name: String,
+    /// The layer's mesh, and the skin it was made from.
+    pub mesh: MeshReport,
     /// Nodes of the layer.
     pub nodes: usize,
     /// Nodes that no bone holds.

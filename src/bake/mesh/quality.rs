@@ -1,10 +1,11 @@
 //! What a tet mesh is worth: volumes and dihedral angles.
 
 use crate::model::TetMesh;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Figures of a tet mesh. A regular tet has six dihedral angles of 70.5°.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeshQuality {
     /// Number of nodes.
     pub nodes: usize,
