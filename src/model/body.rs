@@ -1,6 +1,8 @@
 //! What baking starts from: a skinned body and the mesh of its soft layer.
 
-use super::{ParametricModel, PoseBlend, Skeleton, SkinWeight, Surface, TetMesh};
+use super::{
+    Attachment, DrawnPart, ParametricModel, PoseBlend, Skeleton, SkinWeight, Surface, TetMesh,
+};
 use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -91,6 +93,10 @@ pub struct Body {
     pub layer: LayerMesh,
     /// Maps painted on the skin, by name: a number for each skin vertex, mostly 0 to 1. Recipes name them.
     pub painted: BTreeMap<String, Vec<f64>>,
+    /// What is drawn with the skin and is not part of it: clothes, hair, eyes.
+    pub attachments: Vec<Attachment>,
+    /// How the body's file draws it, seams and all; none where it is drawn as it is.
+    pub drawn: Vec<DrawnPart>,
 }
 
 impl Body {
@@ -123,6 +129,8 @@ impl Body {
             bone_surfaces,
             layer: LayerMesh::default(),
             painted: BTreeMap::new(),
+            attachments: Vec::new(),
+            drawn: Vec::new(),
         }
     }
 
@@ -153,6 +161,10 @@ impl Body {
             "pose_blend",
             "needs one column for each feature and skin vertex",
         )?;
+        let attached = |a: &Attachment| a.surface.positions.len();
+        let body_vertices = vertices + self.attachments.iter().map(attached).sum::<usize>();
+        (self.attachments.iter()).try_for_each(|a| a.validate(bones))?;
+        (self.drawn.iter()).try_for_each(|d| d.validate(body_vertices))?;
         for (name, values) in &self.painted {
             check(
                 values.len() == vertices && values.iter().all(|v| v.is_finite()),

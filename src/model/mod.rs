@@ -1,5 +1,6 @@
 //! What an avatar is: plain data, no algorithms beyond its own geometry.
 
+mod attachment;
 mod avatar;
 mod body;
 mod frame;
@@ -11,6 +12,7 @@ mod state;
 mod surface;
 mod tet_mesh;
 
+pub use attachment::{Attachment, DrawnPart};
 pub use avatar::{Avatar, BoneMass, SoftLayer};
 pub use body::{Body, LayerMesh};
 pub use frame::Frame;

@@ -52,6 +52,7 @@ impl ParametricModel {
     pub fn skeleton(&self, betas: &[f64]) -> Skeleton {
         let joints = self.joints(&self.shaped(betas));
         Skeleton {
+            aliases: Vec::new(),
             names: self.names.clone(),
             parents: self.parents.clone(),
             joints,

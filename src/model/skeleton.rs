@@ -15,6 +15,8 @@ pub struct Skeleton {
     pub parents: Vec<Option<u32>>,
     /// J: each joint's place in the reference shape, m.
     pub joints: Vec<DVec3>,
+    /// Further names of bones, such as VRM's humanoid ones.
+    pub aliases: Vec<(String, u32)>,
 }
 
 impl Skeleton {
@@ -28,9 +30,10 @@ impl Skeleton {
         self.joints.is_empty()
     }
 
-    /// Index of the bone called `name`.
+    /// Index of the bone called `name`; names go before aliases.
     pub fn find(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|n| n == name)
+        let alias = || self.aliases.iter().find(|(alias, _)| alias == name);
+        (self.names.iter().position(|n| n == name)).or_else(|| alias().map(|(_, j)| *j as usize))
     }
 
     /// Frames in the bind pose: no rotation, each at its joint.
@@ -97,6 +100,10 @@ impl Skeleton {
         let distinct: HashSet<&String> = self.names.iter().collect();
         if distinct.len() != count {
             return Err(Error::invalid("skeleton.names", "two bones share a name"));
+        }
+        if self.aliases.iter().any(|(_, j)| *j as usize >= count) {
+            let problem = "one names a bone that is not there";
+            return Err(Error::invalid("skeleton.aliases", problem));
         }
         if self.joints.iter().any(|j| !j.is_finite()) {
             return Err(Error::invalid(

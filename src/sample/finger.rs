@@ -61,6 +61,7 @@ impl Finger {
         let body = Body {
             name: "finger".into(),
             skeleton: Skeleton {
+                aliases: Vec::new(),
                 names: ["proximal", "middle", "distal"].map(String::from).into(),
                 parents: vec![None, Some(0), Some(1)],
                 joints: JOINTS.map(|s| axis.at(s).0).into(),
@@ -71,6 +72,8 @@ impl Finger {
             bone_surfaces: Vec::new(),
             layer,
             painted: Default::default(),
+            attachments: Vec::new(),
+            drawn: Vec::new(),
         };
         body.validate()?;
         Ok(body)

@@ -174,6 +174,7 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
     let body = Body {
         name: name.into(),
         skeleton: Skeleton {
+            aliases: Vec::new(),
             names: vec!["bone".into()],
             parents: vec![None],
             joints: vec![joint],
@@ -199,6 +200,8 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
             mesh,
         },
         painted: Default::default(),
+        attachments: Vec::new(),
+        drawn: Vec::new(),
     };
     body.validate()?;
     Ok(body)

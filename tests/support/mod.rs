@@ -99,6 +99,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
     let avatar = Avatar {
         name: "limb".into(),
         skeleton: Skeleton {
+            aliases: Vec::new(),
             names: (0..bones).map(|j| format!("bone {j}")).collect(),
             parents: (0..bones)
                 .map(|j| j.checked_sub(1).map(|p| p as u32))
