@@ -371,8 +371,10 @@ fn bad_recipes_and_bodies_are_typed_errors() {
         recipe
     };
     type Change = fn(&mut HandleRegion);
-    let cases: [(Change, &str); 7] = [
-        (|r| r.bones = vec!["elbow".into()], "elbow"),
+    let cases: [(Change, &str); 9] = [
+        (|r| r.bones = vec!["elbow".into()], "there are bone"),
+        (|r| r.painted = Some("belly".into()), "handles[0].painted"),
+        (|r| r.soft = -1.0, "handles[0].soft"),
         (|r| r.vertices = vec![9999], "handles[0].vertices"),
         (|r| r.within = Some([[9.0; 3], [10.0; 3]]), "no soft place"),
         (|r| r.spacing = Some(0.1), "not both"),
@@ -402,9 +404,6 @@ fn bad_recipes_and_bodies_are_typed_errors() {
         let message = error(&body, &region(change));
         assert!(message.contains(expected), "{message:?} lacks {expected:?}");
     }
-    let mut none = recipe(HandlePlace::Skin, 8);
-    none.handles.clear();
-    assert!(error(&body, &none).contains("at least one"));
     let mut orphan = body.clone();
     orphan.layer.mesh.nodes.push(DVec3::ZERO);
     orphan.layer.bone_of_node.push(None);

@@ -15,6 +15,7 @@ steps = 12
 [avatar]
 mesh = "limb.txt"
 bake.handles = [{ count = 12 }]
+bake.material.stable_neo_hookean = { youngs_modulus = 30e3, poissons_ratio = 0.4 }
 
 [[pins]]
 bone = "bone"
@@ -233,7 +234,7 @@ fn what_is_wrong_is_said() {
     );
     changed(
         "foreign.toml",
-        "mesh = \"limb.txt\"\nbake.handles = [{ count = 12 }]",
+        "mesh = \"limb.txt\"\nbake.handles = [{ count = 12 }]\nbake.material.stable_neo_hookean = { youngs_modulus = 30e3, poissons_ratio = 0.4 }",
         "file = \"limb.txt\"",
     );
     bad(
@@ -242,7 +243,15 @@ fn what_is_wrong_is_said() {
         1,
         &["limb.txt", "not a baked avatar"],
     );
-    bad(path, &["bake", "limb.txt"], 1, &["limb.txt", "line 1"]);
+    std::fs::write(path.join("cut.txt"), "8 5 1").unwrap();
+    bad(path, &["bake", "cut.txt"], 1, &["cut.txt", "line 1"]);
+    std::fs::write(path.join("mesh.fbx"), "Kaydara").unwrap();
+    bad(
+        path,
+        &["bake", "mesh.fbx"],
+        1,
+        &["mesh.fbx", ".glb", ".npz"],
+    );
     bad(
         path,
         &["simulate", "tiny.toml", "--backend", "abacus"],

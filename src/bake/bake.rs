@@ -7,7 +7,8 @@ use super::handles::Handles;
 use super::interior::InteriorField;
 use super::mesh::{MeshQuality, MeshReport};
 use super::points::{basis_at_tets, basis_on_skin, skinning_at_tets};
-use super::{BakeReport, Recipe};
+use super::softness::Softness;
+use super::{BakeReport, Recipe, automatic};
 use crate::math::Rows;
 use crate::model::{Avatar, Body, PointSet, SoftLayer, TetMesh};
 use crate::{Error, Result};
@@ -70,7 +71,14 @@ pub fn bake(
         field.skin_weights(&body.skinning, body.skeleton.len(), recipe.bones_per_point)?;
 
     clock.start(2);
-    let handles = Handles::place(body, &node_skinning, &recipe.handles)?;
+    let softness = Softness::of(body);
+    let automatic = [automatic::handle_region(&softness)];
+    let regions = if recipe.handles.is_empty() {
+        &automatic[..]
+    } else {
+        &recipe.handles
+    };
+    let handles = Handles::place(body, &node_skinning, &softness, regions)?;
     let fixed: Vec<bool> = layer.bone_of_node.iter().map(Option::is_some).collect();
     let system = BiharmonicSystem::new(mesh, &fixed, &handles.constraints)?;
     let columns = system.basis();
@@ -122,6 +130,8 @@ pub fn bake(
     let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
     let seconds = clock.finish();
 
+    let material =
+        (recipe.material).unwrap_or_else(|| automatic::material(&softness, recipe.density));
     let avatar = Avatar {
         name: body.name.clone(),
         skeleton: body.skeleton.clone(),
@@ -130,7 +140,7 @@ pub fn bake(
         cubature: points,
         skin,
         triangles: body.skin.triangles.clone(),
-        material: recipe.material,
+        material,
         density: recipe.density,
         damping_time: recipe.damping_time,
         captured_under_gravity: recipe.captured_under_gravity,

@@ -5,6 +5,7 @@
 //! (`points`), bone masses (`bone_mass`). [`bake`] strings them together by a [`Recipe`], and `file`
 //! keeps the result.
 
+mod automatic;
 #[allow(clippy::module_inception)]
 mod bake;
 mod biharmonic;
@@ -14,6 +15,7 @@ mod core_volume;
 mod cubature;
 mod file;
 mod full_space;
+mod handle_candidates;
 mod handles;
 mod interior;
 mod loose_parts;
@@ -23,6 +25,7 @@ mod points;
 mod recipe;
 mod report;
 mod sampling;
+mod softness;
 mod truncation;
 
 pub use bake::{PHASES, Progress, bake};
@@ -37,7 +40,8 @@ pub use interior::InteriorField;
 pub use mesher::Mesher;
 pub use recipe::{CubatureRecipe, Recipe};
 pub use report::BakeReport;
-pub use sampling::{Density, farthest_points};
+pub use sampling::{Density, farthest_points, weighted_farthest_points};
+pub use softness::Softness;
 pub use truncation::Truncation;
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::bake::{bake, read_avatar, write_avatar};
 use crate::load::{AvatarSource, read_avatar_source};
 use crate::model::Avatar;
 use crate::{Error, Result};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The avatar of `source`. A bake is kept in `cache` under a name made from everything it depends on.
 pub fn load(source: &AvatarSource, cache: &Path) -> Result<Avatar> {
@@ -52,8 +52,7 @@ impl Fnv {
         let text = serde_json::to_string(source)
             .map_err(|e| Error::invalid("avatar", format!("cannot be written: {e}")))?;
         self.add(text.as_bytes());
-        let files: [&Option<PathBuf>; 3] = [&source.mesh, &source.model, &source.bones];
-        for path in files.into_iter().flatten() {
+        for path in source.files() {
             self.add(&std::fs::read(path).map_err(|e| Error::io(path, e))?);
         }
         match &source.recipe {

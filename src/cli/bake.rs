@@ -3,7 +3,7 @@
 use super::{print, print_json, progress};
 use crate::Result;
 use crate::bake::{bake, write_avatar};
-use crate::load::read_avatar_source_or_scene;
+use crate::load::avatar_source_of;
 use std::path::PathBuf;
 
 /// Arguments of `supple bake`.
@@ -22,7 +22,7 @@ pub struct Arguments {
 impl Arguments {
     /// Bakes.
     pub fn run(self) -> Result<()> {
-        let source = read_avatar_source_or_scene(&self.recipe)?;
+        let source = avatar_source_of(&self.recipe)?;
         let (body, recipe) = source.body()?;
         let (avatar, report) = bake(&body, &recipe, &mut progress::baking(&body.name))?;
         let output = self

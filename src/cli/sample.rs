@@ -1,8 +1,8 @@
 //! `supple sample`.
 
 use super::{make_folder, print};
-use crate::export::{write_obj, write_smpl, write_tet_mesh};
-use crate::load::{AvatarSource, Sample, TetMeshFile};
+use crate::export::{write_obj, write_painted, write_smpl, write_tet_mesh};
+use crate::load::{AvatarSource, PALM, Sample, TetMeshFile, palm_map};
 use crate::sample::{Limb, hand};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -38,9 +38,11 @@ impl Arguments {
                 write_smpl(&hand.model, folder.join("hand.npz"))?;
                 let names = hand.model.names.iter().map(String::as_str);
                 write_obj(names.zip(&hand.bones), folder.join("hand_bones.obj"))?;
+                write_painted(&palm_map(&hand.palmar), folder.join("hand_palm.npy"))?;
                 AvatarSource {
                     model: Some("hand.npz".into()),
                     bones: Some("hand_bones.obj".into()),
+                    painted: [(PALM.to_string(), "hand_palm.npy".into())].into(),
                     bake: Some(Sample::Hand.body()?.1),
                     ..AvatarSource::default()
                 }

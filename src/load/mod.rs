@@ -1,14 +1,20 @@
 //! Files in: one file a format.
 
 mod avatar_source;
+mod character;
 pub(crate) mod npy;
 mod npz;
 mod obj;
+mod painted;
 pub mod scene;
 mod smpl;
 mod tet_mesh;
 
-pub use avatar_source::{AvatarSource, Sample, read_avatar_source, read_avatar_source_or_scene};
+pub use avatar_source::{
+    AvatarSource, Sample, avatar_source_of, read_avatar_source, read_recipe_for,
+};
+pub(crate) use avatar_source::{PALM, palm_map};
+pub use character::{CharacterFormat, FileKind, read_character};
 pub use obj::{read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
 pub use smpl::read_smpl;

@@ -2,6 +2,7 @@
 //! systems.
 
 mod decomposition;
+mod nearest;
 mod parallel;
 mod random;
 mod rotation;
@@ -11,6 +12,7 @@ mod stopwatch;
 mod tensor;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
+pub use nearest::NearestPoint;
 pub use parallel::{RowsMut, Split, Strided, in_pool, par_each, par_join, par_map, par_split};
 pub use random::Random;
 pub use rotation::{rotation_exp, rotation_log, skew};

@@ -1,13 +1,20 @@
-//! Where a scene's avatar comes from: a baked file, or a body and how it is baked.
+//! Where an avatar comes from: a baked file, or a body and how it is baked.
 
+mod samples;
+
+pub use samples::Sample;
+pub(crate) use samples::{PALM, palm_map};
+
+use super::character::{FileKind, read_character};
+use super::painted::read_painted;
+use super::read_closed_obj;
 use super::scene::{of_file, parse_toml};
-use super::{TetMeshFile, read_closed_obj, read_smpl, read_tet_mesh};
-use crate::bake::{CubatureRecipe, HandleRegion, Recipe};
+use crate::bake::Recipe;
 use crate::model::{Body, Surface};
-use crate::sample::limb::one_bone_body;
-use crate::sample::{Finger, Limb, hand};
 use crate::{Error, Result};
+use samples::limb_recipe;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// An avatar's source: exactly one of `file`, `recipe`, `sample`, `mesh` and `model`.
@@ -20,30 +27,20 @@ pub struct AvatarSource {
     pub recipe: Option<PathBuf>,
     /// A body that the crate makes itself.
     pub sample: Option<Sample>,
-    /// A tet mesh around one bone ([`read_tet_mesh`]).
+    /// A tet mesh around one bone, whose rest shape is that without gravity.
     pub mesh: Option<PathBuf>,
-    /// A parametric model ([`read_smpl`]).
+    /// A character file of any kind that [`read_character`] knows.
     pub model: Option<PathBuf>,
-    /// Shape parameters of `model`.
+    /// Shape parameters of `model`, in the file's order.
+    #[serde(alias = "shape")]
     pub betas: Vec<f64>,
     /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
     pub bones: Option<PathBuf>,
+    /// Maps painted on the skin, by name: `.npy` files, or `.npz` archives with an array of that name, with a number
+    /// for each skin vertex. A region of handles may name one.
+    pub painted: BTreeMap<String, PathBuf>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
-}
-
-/// Bodies that the crate makes itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Sample {
-    /// A hand of 16 bones.
-    Hand,
-    /// A finger of three bones.
-    Finger,
-    /// The bone press limb, mesh S.
-    LimbS,
-    /// The bone press limb, mesh M.
-    LimbM,
 }
 
 /// Reads an avatar's source from the TOML file at `path`; files that it names lie relative to it.
@@ -59,19 +56,53 @@ pub fn read_avatar_source(path: impl AsRef<Path>) -> Result<AvatarSource> {
     Ok(source)
 }
 
-/// Reads an avatar's source from a file of its own or from a scene's `avatar` table.
+/// The source that any file stands for: a recipe, a scene (its `avatar` table), or a character file.
 ///
 /// # Errors
-/// As [`read_avatar_source`] and [`super::read_scene`].
-pub fn read_avatar_source_or_scene(path: impl AsRef<Path>) -> Result<AvatarSource> {
+/// [`Error::Io`], [`Error::Format`] with line or key; of a file of another kind it says what can be read.
+pub fn avatar_source_of(path: impl AsRef<Path>) -> Result<AvatarSource> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-    let table: toml::Table = parse_toml(&text, path)?;
-    if table.contains_key("avatar") {
-        Ok(super::read_scene(path)?.avatar)
-    } else {
-        read_avatar_source(path)
+    match FileKind::of(path)? {
+        FileKind::Character(_) => Ok(AvatarSource {
+            model: Some(path.into()),
+            ..AvatarSource::default()
+        }),
+        FileKind::Baked => Ok(AvatarSource {
+            file: Some(path.into()),
+            ..AvatarSource::default()
+        }),
+        FileKind::Toml => {
+            let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+            let table: toml::Table = parse_toml(&text, path)?;
+            if table.contains_key("avatar") {
+                Ok(super::read_scene(path)?.avatar)
+            } else {
+                read_avatar_source(path)
+            }
+        }
     }
+}
+
+/// A recipe for a model that is named elsewhere; one that it names itself is left out.
+///
+/// # Errors
+/// As [`read_avatar_source`].
+pub fn read_recipe_for(recipe: impl AsRef<Path>, model: &Path) -> Result<AvatarSource> {
+    let path = recipe.as_ref();
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+    let source: AvatarSource = parse_toml(&text, path)?;
+    let mut source = AvatarSource {
+        file: None,
+        recipe: None,
+        sample: None,
+        mesh: None,
+        model: None,
+        ..source
+    };
+    source.resolve(path.parent().unwrap_or(Path::new("")));
+    source.model = Some(model.into());
+    source.validate().map_err(|e| of_file(e, path))?;
+    Ok(source)
 }
 
 impl AvatarSource {
@@ -104,9 +135,14 @@ impl AvatarSource {
             );
             return Err(Error::invalid("avatar", problem));
         }
-        if self.model.is_none() && (self.bones.is_some() || !self.betas.is_empty()) {
-            let problem = "bones and betas belong to a model";
-            return Err(Error::invalid("avatar", problem));
+        let of_model = [
+            ("bones", self.bones.is_some()),
+            ("betas", !self.betas.is_empty()),
+            ("painted", !self.painted.is_empty()),
+        ];
+        if let (None, Some((key, _))) = (&self.model, of_model.iter().find(|k| k.1)) {
+            let problem = "belongs to a model: name one";
+            return Err(Error::invalid(format!("avatar.{key}"), problem));
         }
         if self.bake.is_some() && (self.file.is_some() || self.recipe.is_some()) {
             let problem = "what is baked already, or has its own recipe, takes none here";
@@ -124,9 +160,15 @@ impl AvatarSource {
             &mut self.model,
             &mut self.bones,
         ];
-        for path in paths.into_iter().flatten() {
+        for path in paths.into_iter().flatten().chain(self.painted.values_mut()) {
             *path = folder.join(&*path);
         }
+    }
+
+    /// Every file that the body is read from.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let own = [&self.mesh, &self.model, &self.bones].into_iter().flatten();
+        own.chain(self.painted.values()).map(PathBuf::as_path)
     }
 
     /// The body to be baked, and how.
@@ -148,88 +190,31 @@ impl AvatarSource {
         let (body, recipe) = if let Some(sample) = self.sample {
             sample.body()?
         } else if let Some(path) = &self.mesh {
-            let TetMeshFile {
-                mesh,
-                pinned,
-                surface,
-            } = read_tet_mesh(path)?;
-            (
-                one_bone_body(&stem(path), mesh, &pinned, &surface)?,
-                limb_recipe(),
-            )
+            (read_character(path, &[])?, limb_recipe())
         } else if let Some(path) = &self.model {
             (self.model_body(path)?, Recipe::default())
         } else {
             let problem = "a baked file has no body to bake; name a sample, mesh or model";
-            return Err(Error::invalid("avatar", problem));
+            return Err(match &self.file {
+                Some(path) => Error::format(path, "avatar", "is baked already"),
+                None => Error::invalid("avatar", problem),
+            });
         };
         Ok((body, self.bake.clone().unwrap_or(recipe)))
     }
 
-    /// A model's body, with its bone surfaces if they are given.
+    /// A model's body, with its bone surfaces and painted maps if they are given.
     fn model_body(&self, path: &Path) -> Result<Body> {
-        let model = read_smpl(path)?;
-        let bones = match &self.bones {
-            None => Vec::new(),
-            Some(path) => bones_by_name(&model.names, path)?,
-        };
-        Ok(Body::of_model(&stem(path), &model, &self.betas, bones))
-    }
-}
-
-impl Sample {
-    /// The body and its own recipe.
-    pub fn body(self) -> Result<(Body, Recipe)> {
-        match self {
-            Self::LimbS => Ok((Limb::S.body()?, limb_recipe())),
-            Self::LimbM => Ok((Limb::M.body()?, limb_recipe())),
-            Self::Finger => Ok((Finger::default().body()?, handles(40))),
-            Self::Hand => {
-                let hand = hand()?;
-                let body = Body::of_model("hand", &hand.model, &[], hand.bones);
-                Ok((body, hand_recipe(&hand.palmar)))
-            }
+        let mut body = read_character(path, &self.betas)?;
+        if let Some(path) = &self.bones {
+            body.bone_surfaces = bones_by_name(&body.skeleton.names, path)?;
         }
+        for (name, path) in &self.painted {
+            let map = read_painted(path, name, body.skin.positions.len())?;
+            body.painted.insert(name.clone(), map);
+        }
+        Ok(body)
     }
-}
-
-/// The paper's hand: 87 handles over palm and finger pads, 700 cubature points.
-fn hand_recipe(palmar: &[bool]) -> Recipe {
-    let soft = palmar.iter().zip(0u32..).filter(|(soft, _)| **soft);
-    let mut recipe = handles(87);
-    recipe.handles[0].vertices = soft.map(|(_, v)| v).collect();
-    recipe.cubature = CubatureRecipe {
-        points: Some(700),
-        ..CubatureRecipe::default()
-    };
-    recipe
-}
-
-/// So many handles all over the skin.
-fn handles(count: usize) -> Recipe {
-    Recipe {
-        handles: vec![HandleRegion {
-            count: Some(count),
-            ..Default::default()
-        }],
-        ..Default::default()
-    }
-}
-
-/// The bone press: its rest shape is that without gravity.
-fn limb_recipe() -> Recipe {
-    Recipe {
-        captured_under_gravity: false,
-        ..handles(82)
-    }
-}
-
-/// File name without folder and extension.
-fn stem(path: &Path) -> String {
-    path.file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
 }
 
 /// A surface for each bone, from an OBJ file whose objects carry the bones' names.

@@ -1,0 +1,81 @@
+//! The bodies that the crate makes itself, each with its own recipe.
+
+use crate::Result;
+use crate::bake::{CubatureRecipe, HandleRegion, Recipe};
+use crate::material::{Material, StableNeoHookean};
+use crate::model::Body;
+use crate::sample::{Finger, Limb, hand};
+use serde::{Deserialize, Serialize};
+
+/// Bodies that the crate makes itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sample {
+    /// A hand of 16 bones.
+    Hand,
+    /// A finger of three bones.
+    Finger,
+    /// The bone press limb, mesh S.
+    LimbS,
+    /// The bone press limb, mesh M.
+    LimbM,
+}
+
+impl Sample {
+    /// The body and its own recipe.
+    pub fn body(self) -> Result<(Body, Recipe)> {
+        match self {
+            Self::LimbS => Ok((Limb::S.body()?, limb_recipe())),
+            Self::LimbM => Ok((Limb::M.body()?, limb_recipe())),
+            Self::Finger => Ok((Finger::default().body()?, handles(40))),
+            Self::Hand => {
+                let hand = hand()?;
+                let mut body = Body::of_model("hand", &hand.model, &[], hand.bones);
+                body.painted.insert(PALM.into(), palm_map(&hand.palmar));
+                Ok((body, hand_recipe()))
+            }
+        }
+    }
+}
+
+/// Name of the map painted on the hand: where its handles stand.
+pub(crate) const PALM: &str = "palm";
+
+/// 1 on palm and finger pads, 0 elsewhere.
+pub(crate) fn palm_map(palmar: &[bool]) -> Vec<f64> {
+    palmar.iter().map(|p| f64::from(u8::from(*p))).collect()
+}
+
+/// The paper's hand: 87 handles over palm and finger pads, 700 cubature points.
+fn hand_recipe() -> Recipe {
+    let mut recipe = handles(87);
+    recipe.handles[0].painted = Some(PALM.into());
+    recipe.cubature = CubatureRecipe {
+        points: Some(700),
+        ..CubatureRecipe::default()
+    };
+    recipe
+}
+
+/// So many handles all over the skin of firm tissue: these bodies are made to be pressed.
+fn handles(count: usize) -> Recipe {
+    Recipe {
+        material: Some(Material::StableNeoHookean(StableNeoHookean {
+            youngs_modulus: 30e3,
+            poissons_ratio: 0.4,
+        })),
+        handles: vec![HandleRegion {
+            count: Some(count),
+            ..Default::default()
+        }],
+        ..Default::default()
+    }
+}
+
+/// The bone press: its rest shape is that without gravity.
+pub(super) fn limb_recipe() -> Recipe {
+    Recipe {
+        captured_under_gravity: false,
+        ..handles(82)
+    }
+}

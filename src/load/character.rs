@@ -1,0 +1,198 @@
+//! Any character file: what it is, and the body in it.
+
+use super::{TetMeshFile, read_obj, read_smpl, read_tet_mesh};
+use crate::math::Rows;
+use crate::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
+use crate::sample::limb::one_bone_body;
+use crate::{Error, Result};
+use glam::DVec3;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// What a character file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CharacterFormat {
+    /// SMPL, SMPL-H, SMPL-X or MANO: `.npz`, `.pkl`.
+    Smpl,
+    /// `.glb`, `.gltf`, `.vrm`.
+    Gltf,
+    /// A skin around one bone: `.obj`.
+    Obj,
+    /// Tets: `.node` and `.ele`, `.msh`, `.mesh`, and the text of [`read_tet_mesh`].
+    Tets,
+}
+
+/// What a file is, judged by its first bytes and its extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A character to be baked.
+    Character(CharacterFormat),
+    /// A recipe or a scene.
+    Toml,
+    /// A baked avatar.
+    Baked,
+}
+
+/// What can be read, for messages.
+const KNOWN: &str = "known are .npz and .pkl (SMPL, SMPL-H, SMPL-X, MANO), .glb, .gltf and .vrm, .obj (a skin around one \
+                     bone), .node/.ele, .msh and .mesh (tets), .toml (a recipe or a scene)";
+
+impl FileKind {
+    /// The kind of the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Format`] of anything else, with what can be read.
+    pub fn of(path: &Path) -> Result<Self> {
+        let mut start = [0; 64];
+        let mut length = 0;
+        let mut file = File::open(path).map_err(|e| Error::io(path, e))?;
+        loop {
+            match file.read(&mut start[length..]) {
+                Ok(0) => break,
+                Ok(read) => length += read,
+                Err(e) => return Err(Error::io(path, e)),
+            }
+        }
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        Self::from_start(&start[..length], &extension.to_lowercase())
+            .map_err(|problem| Error::format(path, "format", problem))
+    }
+
+    /// By content where that is plain, else by extension.
+    fn from_start(start: &[u8], extension: &str) -> Result<Self, String> {
+        use CharacterFormat::{Gltf, Obj, Smpl, Tets};
+        const PICKLE: u8 = 0x80;
+        let text = String::from_utf8_lossy(start);
+        let begins = |word: &str| text.trim_start().starts_with(word);
+        Ok(match extension {
+            _ if start.starts_with(b"SUPPLE\r\n") => Self::Baked,
+            _ if start.starts_with(b"glTF") => Self::Character(Gltf),
+            _ if start.starts_with(b"PK\x03\x04") => Self::Character(Smpl),
+            _ if start.first() == Some(&PICKLE) => Self::Character(Smpl),
+            _ if begins("$MeshFormat") || begins("MeshVersionFormatted") => Self::Character(Tets),
+            "npz" | "pkl" | "pickle" => Self::Character(Smpl),
+            "glb" | "gltf" | "vrm" => Self::Character(Gltf),
+            "obj" => Self::Character(Obj),
+            "node" | "ele" | "msh" | "mesh" | "txt" => Self::Character(Tets),
+            "toml" => Self::Toml,
+            "supple" => return Err("is no baked avatar, or was cut short: bake it again".into()),
+            "bvh" | "jsonl" | "js" => {
+                let problem = "is a motion, and a character is needed: name the motion in a scene";
+                return Err(problem.into());
+            }
+            "" => return Err(format!("has no extension and is not recognised; {KNOWN}")),
+            other => return Err(format!("a .{other} file cannot be read; {KNOWN}")),
+        })
+    }
+}
+
+/// The body in the character file at `path`, its shape that of `betas`.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Format`] with the key or line at fault and its cure.
+pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Body> {
+    let path = path.as_ref();
+    let format = match FileKind::of(path)? {
+        FileKind::Character(format) => format,
+        FileKind::Toml => {
+            let problem = "is a recipe or a scene, and a character file is needed";
+            return Err(Error::format(path, "format", problem));
+        }
+        FileKind::Baked => return Err(Error::format(path, "format", "is baked already")),
+    };
+    if !betas.is_empty() && matches!(format, CharacterFormat::Obj | CharacterFormat::Tets) {
+        let problem = "the file has one shape only: leave the shape parameters out";
+        return Err(Error::format(path, "betas", problem));
+    }
+    let name = stem(path);
+    match format {
+        CharacterFormat::Smpl => {
+            let model = read_smpl(path)?;
+            let known = model.shape_directions.len();
+            if betas.len() > known {
+                let problem = format!("{} are given, the model has {known}", betas.len());
+                return Err(Error::format(path, "betas", problem));
+            }
+            Ok(Body::of_model(&name, &model, betas, Vec::new()))
+        }
+        CharacterFormat::Gltf => {
+            let problem = "glTF cannot be read yet";
+            Err(Error::format(path, "format", problem))
+        }
+        CharacterFormat::Obj => Ok(skin_around_one_bone(&name, read_obj(path)?)),
+        CharacterFormat::Tets => {
+            let TetMeshFile {
+                mesh,
+                pinned,
+                surface,
+            } = read_tet_mesh(path)?;
+            one_bone_body(&name, mesh, &pinned, &surface)
+        }
+    }
+}
+
+/// All surfaces of `objects` around one bone in their middle.
+fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
+    let mut skin = Surface::default();
+    for (_, part) in objects {
+        let first = skin.positions.len() as u32;
+        skin.positions.extend(part.positions);
+        let shifted = part.triangles.into_iter().map(|t| t.map(|v| v + first));
+        skin.triangles.extend(shifted);
+    }
+    let (low, high) = (skin.positions.iter())
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+            (low.min(*p), high.max(*p))
+        });
+    let whole = SkinWeight {
+        bone: 0,
+        weight: 1.0,
+    };
+    Body {
+        name: name.into(),
+        skeleton: Skeleton {
+            names: vec!["bone".into()],
+            parents: vec![None],
+            joints: vec![0.5 * (low + high)],
+            aliases: Vec::new(),
+        },
+        skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),
+        skin,
+        pose_blend: PoseBlend::default(),
+        bone_surfaces: Vec::new(),
+        layer: LayerMesh::default(),
+        painted: Default::default(),
+        attachments: Vec::new(),
+        drawn: Vec::new(),
+    }
+}
+
+/// File name without folder and extension.
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_by_content_before_extension() {
+        use CharacterFormat::{Gltf, Smpl, Tets};
+        let kind = |start: &[u8], extension: &str| FileKind::from_start(start, extension);
+        let character = |format| Ok(FileKind::Character(format));
+        assert_eq!(kind(b"glTF\x02\0\0\0", "bin"), character(Gltf));
+        assert_eq!(kind(b"PK\x03\x04..", ""), character(Smpl));
+        assert_eq!(kind(b"\x80\x04\x95", "model"), character(Smpl));
+        assert_eq!(kind(b"{\"asset\"", "gltf"), character(Gltf));
+        assert_eq!(kind(b"\n$MeshFormat\n4.1", "txt"), character(Tets));
+        assert_eq!(kind(b"SUPPLE\r\n\x02", "glb"), Ok(FileKind::Baked));
+        assert_eq!(kind(b"model = ", "toml"), Ok(FileKind::Toml));
+        for (extension, hint) in [("bvh", "motion"), ("fbx", ".glb"), ("", "no extension")] {
+            let problem = kind(b"????", extension).unwrap_err();
+            assert!(problem.contains(hint), "{problem}");
+        }
+    }
+}
