@@ -223,3 +223,28 @@ fn a_real_body_is_read() {
         "the bind pose is the template"
     );
 }
+
+/// Pickles that NumPy, SciPy and classes of chumpy's names wrote (tests/data/README.md).
+#[test]
+fn pickles_that_python_wrote_are_read() {
+    let number = |n: usize| n as f64;
+    let vectors = |f: &dyn Fn(f64, f64) -> f64| -> Vec<DVec3> {
+        let vector = |v| DVec3::from_array([0, 1, 2].map(|a| f(number(v), number(a))));
+        (0..4).map(vector).collect()
+    };
+    let expected = ParametricModel {
+        template: vectors(&|v, a| v + a / 4.0 - v * a / 8.0),
+        shape_directions: (0..2)
+            .map(|k| vectors(&|v, a| v - a + number(k) / 2.0))
+            .collect(),
+        pose_directions: (0..9)
+            .map(|k| vectors(&|v, a| v + 2.0 * a - number(k) / 4.0))
+            .collect(),
+        joint_regressor: Rows::from_iter([vec![(0, 1.0)], vec![(1, 0.5), (2, 0.25), (3, 0.25)]]),
+        ..model()
+    };
+    for protocol in [0, 2, 4, 5] {
+        let path = format!("tests/data/model_protocol{protocol}.pkl");
+        assert_eq!(read_smpl(&path).unwrap(), expected, "{path}");
+    }
+}

@@ -1,11 +1,15 @@
 //! Files in: one file a format.
 
+mod array;
+mod arrays;
 mod avatar_source;
 mod character;
+mod file;
 pub(crate) mod npy;
 mod npz;
 mod obj;
 mod painted;
+mod pickle;
 pub mod scene;
 mod smpl;
 mod tet_mesh;
@@ -15,7 +19,7 @@ pub use avatar_source::{
 };
 pub(crate) use avatar_source::{PALM, palm_map};
 pub use character::{CharacterFormat, FileKind, read_character};
-pub use obj::{read_closed_obj, read_obj};
+pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
-pub use smpl::read_smpl;
+pub use smpl::{parse_smpl, read_smpl};
 pub use tet_mesh::{TetMeshFile, parse_tet_mesh, read_tet_mesh};

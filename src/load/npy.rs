@@ -3,18 +3,14 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>. Read here because sizes must be
 //! checked before anything is multiplied or allocated.
 
+use super::array::{Array, ElementType};
+use super::arrays::Item;
+use super::pickle;
+
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
-/// An array of numbers or of texts, in C order.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Array {
-    pub shape: Vec<usize>,
-    pub numbers: Vec<f64>,
-    pub texts: Vec<String>,
-}
-
-/// Reads one `.npy` file; the error says what is wrong.
-pub(crate) fn parse(bytes: &[u8]) -> Result<Array, String> {
+/// Reads one `.npy` file of at most `room` numbers; the error says what is wrong.
+pub(crate) fn parse(bytes: &[u8], room: usize) -> Result<Item, String> {
     let short = || "ends within its header".to_string();
     if bytes.get(..6) != Some(MAGIC) {
         return Err("is no .npy array".into());
@@ -65,115 +61,11 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Array, String> {
         })
         .collect::<Result<_, _>>()?;
     let data = &bytes[end..];
-    let kind = ItemKind::parse(&descr)?;
-    let count = shape
-        .iter()
-        .try_fold(1usize, |product, n| product.checked_mul(*n));
-    if count.and_then(|c| c.checked_mul(kind.size)) != Some(data.len()) {
-        return Err(format!(
-            "{} bytes of data do not fill shape {shape:?} of {descr}",
-            data.len()
-        ));
+    if descr == "|O" {
+        return pickle::parse_array(data, room);
     }
-    let mut array = Array {
-        numbers: Vec::new(),
-        texts: Vec::new(),
-        shape,
-    };
-    let items = data.chunks_exact(kind.size.max(1));
-    if kind.letter == 'U' {
-        array.texts = items.map(|item| kind.text(item)).collect();
-    } else {
-        array.numbers = items.map(|item| kind.number(item)).collect();
-    }
-    if fortran && array.shape.len() > 1 {
-        array.numbers = from_fortran(&array.shape, &array.numbers);
-    }
-    Ok(array)
-}
-
-/// What one element is: NumPy's type string, taken apart.
-struct ItemKind {
-    big_endian: bool,
-    letter: char,
-    size: usize,
-}
-
-impl ItemKind {
-    fn parse(descr: &str) -> Result<Self, String> {
-        let unknown = || format!("type {descr:?} is not read; save f4, f8, integers or U");
-        let mut chars = descr.chars();
-        let order = chars.next().ok_or_else(unknown)?;
-        let letter = chars.next().ok_or_else(unknown)?;
-        let size: usize = chars.as_str().parse().map_err(|_| unknown())?;
-        let known = match letter {
-            'f' => matches!(size, 4 | 8),
-            'i' | 'u' => matches!(size, 1 | 2 | 4 | 8),
-            'b' => size == 1,
-            'U' => (1..=1024).contains(&size),
-            _ => false,
-        };
-        if !known || !matches!(order, '<' | '>' | '|' | '=') {
-            return Err(unknown());
-        }
-        Ok(Self {
-            big_endian: order == '>',
-            letter,
-            size: if letter == 'U' { 4 * size } else { size },
-        })
-    }
-
-    /// The element as an integer's bits, lowest byte first.
-    fn bits(&self, item: &[u8]) -> u64 {
-        let join = |bits: u64, byte: &u8| bits << 8 | u64::from(*byte);
-        if self.big_endian {
-            item.iter().fold(0, join)
-        } else {
-            item.iter().rev().fold(0, join)
-        }
-    }
-
-    fn number(&self, item: &[u8]) -> f64 {
-        let bits = self.bits(item);
-        let unused = 64 - 8 * self.size as u32;
-        match (self.letter, self.size) {
-            ('f', 4) => f64::from(f32::from_bits(bits as u32)),
-            ('f', _) => f64::from_bits(bits),
-            // Shifted up and down again, the sign fills the unused bits.
-            ('i', _) => ((bits << unused) as i64 >> unused) as f64,
-            _ => bits as f64,
-        }
-    }
-
-    fn text(&self, item: &[u8]) -> String {
-        item.chunks_exact(4)
-            .map(|c| self.bits(c) as u32)
-            .take_while(|c| *c != 0)
-            .map(|c| char::from_u32(c).unwrap_or(char::REPLACEMENT_CHARACTER))
-            .collect()
-    }
-}
-
-/// Reorders numbers whose first index runs fastest so that the last one does.
-fn from_fortran(shape: &[usize], numbers: &[f64]) -> Vec<f64> {
-    let mut index = vec![0; shape.len()];
-    let mut strides = vec![1; shape.len()];
-    for k in 1..shape.len() {
-        strides[k] = strides[k - 1] * shape[k - 1];
-    }
-    (0..numbers.len())
-        .map(|_| {
-            let at: usize = index.iter().zip(&strides).map(|(i, s)| i * s).sum();
-            for k in (0..shape.len()).rev() {
-                index[k] += 1;
-                if index[k] < shape[k] {
-                    break;
-                }
-                index[k] = 0;
-            }
-            numbers[at]
-        })
-        .collect()
+    let element = ElementType::parse(&descr)?;
+    Array::from_bytes(&element, &shape, fortran, data, room).map(Item::Dense)
 }
 
 /// The bytes of an `.npy` file: header of version 1.0, data in C order.
@@ -229,6 +121,13 @@ pub(crate) fn encode_texts(values: &[String]) -> Vec<u8> {
 mod tests {
     use super::*;
 
+    fn parse(bytes: &[u8]) -> Result<Array, String> {
+        match super::parse(bytes, 1 << 20)? {
+            Item::Dense(array) => Ok(array),
+            Item::Sparse(_) => Err("sparse".into()),
+        }
+    }
+
     fn file(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
         let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}}}\n");
         let mut bytes = MAGIC.to_vec();
@@ -274,7 +173,10 @@ mod tests {
             "do not fill",
         );
         refused(file("'<f8'", "False", "(2,)", &[0; 8]), "do not fill");
-        refused(file("'|O'", "False", "(1,)", &[0; 8]), "not read");
+        refused(
+            file("'|O'", "False", "(1,)", b"I1\n"),
+            "bytes are announced",
+        );
         refused(file("'<c8'", "False", "(1,)", &[0; 8]), "not read");
         refused(
             file("[('x', '<f8')]", "False", "(1,)", &[0; 8]),

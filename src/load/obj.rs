@@ -1,13 +1,10 @@
 //! Wavefront OBJ: one surface for each object of the file.
 
+use super::file::read_bytes;
 use crate::model::Surface;
 use crate::{Error, Result};
 use glam::DVec3;
-use std::io::{BufReader, Read};
 use std::path::Path;
-
-/// Largest file that is read, bytes.
-const LARGEST_FILE: u64 = 1 << 30;
 
 /// Reads the objects of the OBJ file at `path` with their names; polygons are cut into triangles.
 /// Vertices come in the order in which faces first use them; those that no face uses are left out.
@@ -17,7 +14,11 @@ const LARGEST_FILE: u64 = 1 << 30;
 /// that is not finite, or no face.
 pub fn read_obj(path: impl AsRef<Path>) -> Result<Vec<(String, Surface)>> {
     let path = path.as_ref();
-    let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
+    parse_obj(&read_bytes(path)?, path)
+}
+
+/// Reads the objects of an OBJ file's `bytes`; `path` names it in errors. See [`read_obj`].
+pub fn parse_obj(bytes: &[u8], path: &Path) -> Result<Vec<(String, Surface)>> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_points: true,
@@ -26,7 +27,7 @@ pub fn read_obj(path: impl AsRef<Path>) -> Result<Vec<(String, Surface)>> {
     };
     // Materials are of no use here; their files need not be there.
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut reader = BufReader::new(file.take(LARGEST_FILE));
+    let mut reader = bytes;
     let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials)
         .map_err(|e| Error::format(path, "faces", format!("is no OBJ file: {e}")))?;
     let objects: Vec<_> = models

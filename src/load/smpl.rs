@@ -11,8 +11,9 @@
 //! | `posedirs` | vertices × 3 × 9 (bones − 1) | optional |
 //! | `joint_names` | bones | optional, texts |
 
-use super::npy::Array;
-use super::npz::Archive;
+use super::array::Array;
+use super::arrays::Arrays;
+use super::{file, npz, pickle};
 use crate::Result;
 use crate::math::Rows;
 use crate::model::{ParametricModel, SkinWeight};
@@ -74,7 +75,17 @@ const SUM_TOLERANCE: f64 = 1e-3;
 /// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Format`] with the key, what was
 /// expected and what was found where it is not such a model.
 pub fn read_smpl(path: impl AsRef<Path>) -> Result<ParametricModel> {
-    let archive = Archive::read(path.as_ref(), &KEYS)?;
+    let path = path.as_ref();
+    parse_smpl(&file::read_bytes(path)?, path)
+}
+
+/// Reads a model from a file's `bytes`; `path` names it in errors. See [`read_smpl`].
+pub fn parse_smpl(bytes: &[u8], path: &Path) -> Result<ParametricModel> {
+    let archive = if npz::is_archive(bytes) {
+        npz::parse(bytes, path, &KEYS)?
+    } else {
+        pickle::parse(bytes, path, &KEYS)?
+    };
     let template = vectors(archive.expect("v_template", &[None, Some(3)])?);
     let vertices = template.len();
     let triangles = read_triangles(&archive, vertices)?;
@@ -102,7 +113,7 @@ fn vectors(array: &Array) -> Vec<DVec3> {
         .collect()
 }
 
-fn read_triangles(archive: &Archive, vertices: usize) -> Result<Vec<[u32; 3]>> {
+fn read_triangles(archive: &Arrays, vertices: usize) -> Result<Vec<[u32; 3]>> {
     let array = archive.expect("f", &[None, Some(3)])?;
     let index = |at: usize| {
         let v = array.numbers[at];
@@ -119,7 +130,7 @@ fn read_triangles(archive: &Archive, vertices: usize) -> Result<Vec<[u32; 3]>> {
 }
 
 /// The root's parent is written as −1 or as that many bits set.
-fn read_parents(archive: &Archive) -> Result<Vec<Option<u32>>> {
+fn read_parents(archive: &Arrays) -> Result<Vec<Option<u32>>> {
     const KEY: &str = "kintree_table";
     let array = archive.expect(KEY, &[Some(2), None])?;
     let bones = array.shape[1];
@@ -143,7 +154,7 @@ fn read_parents(archive: &Archive) -> Result<Vec<Option<u32>>> {
 
 /// `directions[k][v]` of an optional vertices × 3 × count array.
 fn read_directions(
-    archive: &Archive,
+    archive: &Arrays,
     key: &str,
     vertices: usize,
     count: Option<usize>,
@@ -159,7 +170,7 @@ fn read_directions(
     Ok((0..count).map(|k| direction(k).collect()).collect())
 }
 
-fn read_weights(archive: &Archive, vertices: usize, bones: usize) -> Result<Rows<SkinWeight>> {
+fn read_weights(archive: &Arrays, vertices: usize, bones: usize) -> Result<Rows<SkinWeight>> {
     const KEY: &str = "weights";
     let array = archive.expect(KEY, &[Some(vertices), Some(bones)])?;
     let mut rows = Rows::default();
@@ -179,19 +190,14 @@ fn read_weights(archive: &Archive, vertices: usize, bones: usize) -> Result<Rows
     Ok(rows)
 }
 
-fn read_regressor(archive: &Archive, vertices: usize, bones: usize) -> Result<Rows<(u32, f64)>> {
+fn read_regressor(archive: &Arrays, vertices: usize, bones: usize) -> Result<Rows<(u32, f64)>> {
     const KEY: &str = "J_regressor";
-    let array = archive.expect(KEY, &[Some(bones), Some(vertices)])?;
-    let mut rows = Rows::default();
-    for (j, row) in array.numbers.chunks_exact(vertices.max(1)).enumerate() {
-        let sum: f64 = row.iter().sum();
+    let rows = archive.nonzero_rows(KEY, [bones, vertices])?;
+    for (j, row) in rows.iter().enumerate() {
+        let sum: f64 = row.iter().map(|entry| entry.1).sum();
         if (sum - 1.0).abs() > SUM_TOLERANCE {
             return Err(archive.broken(KEY, format!("joint {j}: shares sum to {sum}, not to 1")));
         }
-        rows.push(nonzero(row));
-    }
-    if rows.len() != bones {
-        return Err(archive.broken(KEY, "there is no vertex to regress from"));
     }
     Ok(rows)
 }
@@ -203,7 +209,7 @@ fn nonzero(row: &[f64]) -> impl Iterator<Item = (u32, f64)> {
 }
 
 /// The file's own names, else MANO's or SMPL's by their number.
-fn read_names(archive: &Archive, bones: usize) -> Result<Vec<String>> {
+fn read_names(archive: &Arrays, bones: usize) -> Result<Vec<String>> {
     const KEY: &str = "joint_names";
     if let Some(array) = archive.get(KEY)? {
         let mut unique = array.texts.clone();

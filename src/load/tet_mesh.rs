@@ -4,14 +4,11 @@
 //! `a b c d` for each tet; one line with the indices of the pinned nodes and one with those of the
 //! surface nodes. Indices start at 0.
 
+use super::file::read_text;
 use crate::model::TetMesh;
 use crate::{Error, Result};
 use glam::DVec3;
-use std::io::Read;
 use std::path::Path;
-
-/// Largest file that is read, bytes: some ten million tets.
-const LARGEST_FILE: u64 = 1 << 30;
 
 /// A tet counts as flat below this volume relative to its longest edge cubed (a regular one has 0.118).
 const FLAT: f64 = 1e-9;
@@ -35,21 +32,7 @@ pub struct TetMeshFile {
 /// repeated tet, a face of three tets, a node of none.
 pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<TetMeshFile> {
     let path = path.as_ref();
-    let io = |source| Error::io(path, source);
-    let file = std::fs::File::open(path).map_err(io)?;
-    let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1)
-        .read_to_end(&mut bytes)
-        .map_err(io)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        let problem = format!("is larger than {LARGEST_FILE} bytes: split or coarsen the mesh");
-        return Err(Error::format(path, "size", problem));
-    }
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let at = format!("byte {}", e.utf8_error().valid_up_to());
-        Error::format(path, at, "is not text: save the mesh as plain UTF-8")
-    })?;
-    parse_tet_mesh(&text, path)
+    parse_tet_mesh(&read_text(path)?, path)
 }
 
 /// Reads a mesh from `text`; `path` names it in errors. See [`read_tet_mesh`].
