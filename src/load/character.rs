@@ -1,6 +1,6 @@
 //! Any character file: what it is, and the body in it.
 
-use super::{TetMeshFile, read_obj, read_smpl, read_tet_mesh};
+use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh};
 use crate::math::Rows;
 use crate::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
 use crate::sample::limb::one_bone_body;
@@ -116,10 +116,7 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Body> {
             }
             Ok(Body::of_model(&name, &model, betas, Vec::new()))
         }
-        CharacterFormat::Gltf => {
-            let problem = "glTF cannot be read yet";
-            Err(Error::format(path, "format", problem))
-        }
+        CharacterFormat::Gltf => read_gltf(path)?.body(betas),
         CharacterFormat::Obj => Ok(skin_around_one_bone(&name, read_obj(path)?)),
         CharacterFormat::Tets => {
             let TetMeshFile {

@@ -5,6 +5,7 @@ mod arrays;
 mod avatar_source;
 mod character;
 mod file;
+pub mod gltf;
 pub(crate) mod npy;
 mod npz;
 mod obj;
@@ -13,12 +14,14 @@ mod pickle;
 pub mod scene;
 mod smpl;
 mod tet_mesh;
+mod weld;
 
 pub use avatar_source::{
     AvatarSource, Sample, avatar_source_of, read_avatar_source, read_recipe_for,
 };
 pub(crate) use avatar_source::{PALM, palm_map};
 pub use character::{CharacterFormat, FileKind, read_character};
+pub use gltf::{parse_gltf, read_gltf};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
 pub use smpl::{parse_smpl, read_smpl};

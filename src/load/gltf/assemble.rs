@@ -1,0 +1,186 @@
+//! From the parts that a scene shows to one welded body.
+
+use super::character::{Character, Shape};
+use super::container::File;
+use super::nodes::Nodes;
+use super::primitive::{Part, read_parts};
+use super::rig::{ReferencePart, Rig};
+use crate::Result;
+use crate::load::weld::{Vertices, weld};
+use crate::model::{Body, DrawnPart, LayerMesh, PoseBlend, SkinWeight, Surface};
+use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The character of a file.
+pub(super) fn character(file: &File) -> Result<Character> {
+    let nodes = Nodes::read(file)?;
+    let (parts, skipped) = read_parts(file, &nodes)?;
+    let rig = Rig::new(file, &nodes, &parts)?;
+    let mut soup = Soup::default();
+    for part in &parts {
+        match rig.place(&nodes, part) {
+            Some(placed) => soup.add(part, placed),
+            None => soup.boneless.push(part.name.clone()),
+        }
+    }
+    let notes = soup.notes(&parts, skipped);
+    if soup.drawn.is_empty() {
+        return Err(file.broken("meshes", "the scene shows no triangles that bones move"));
+    }
+    let stem = file.path.file_stem().unwrap_or_default();
+    let (body, shapes) = soup.weld(&stem.to_string_lossy(), &rig);
+    if let Some(v) = body.skin.positions.iter().position(|p| !p.is_finite()) {
+        return Err(file.broken("meshes", format!("skin vertex {v} is not finite")));
+    }
+    Ok(Character::new(body, shapes, rig.rest, notes))
+}
+
+/// All parts' vertices in one list, not yet welded.
+#[derive(Default)]
+struct Soup {
+    positions: Vec<DVec3>,
+    skinning: Vec<Vec<SkinWeight>>,
+    /// Shapes that move each vertex.
+    moves: Vec<Vec<(u32, DVec3)>>,
+    /// Names and defaults of the shapes; a name that meshes share is one shape.
+    shapes: Vec<(String, f64)>,
+    painted: BTreeMap<String, Vec<f64>>,
+    /// Its vertices number this list.
+    drawn: Vec<DrawnPart>,
+    /// Parts that no bone moves.
+    boneless: Vec<String>,
+    cancelled: usize,
+}
+
+impl Soup {
+    fn add(&mut self, part: &Part, placed: ReferencePart) {
+        let first = self.positions.len();
+        let flip = |[a, b, c]: [u32; 3]| {
+            if placed.mirrored {
+                [a, c, b]
+            } else {
+                [a, b, c]
+            }
+        };
+        self.positions.extend(placed.positions);
+        self.skinning.extend(placed.skinning);
+        self.moves.resize(self.positions.len(), Vec::new());
+        self.cancelled += placed.cancelled;
+        let mut seen = BTreeSet::new();
+        for morph in &part.morphs {
+            // Two targets of one mesh that share a name stay two.
+            let free = |(k, s): (usize, &(String, f64))| s.0 == morph.name && !seen.contains(&k);
+            let known = self.shapes.iter().enumerate().position(free);
+            let shape = known.unwrap_or_else(|| {
+                self.shapes.push((morph.name.clone(), morph.default));
+                self.shapes.len() - 1
+            });
+            seen.insert(shape);
+            for &(v, d) in &morph.moves {
+                let d = placed.linear[v as usize] * d;
+                self.moves[first + v as usize].push((shape as u32, d));
+            }
+        }
+        for v in &mut self.moves[first..] {
+            v.sort_by_key(|m| m.0);
+        }
+        for (name, values) in &part.painted {
+            let all = self.painted.entry(name.clone()).or_default();
+            all.resize(first, 0.0);
+            all.extend(values);
+        }
+        self.drawn.push(DrawnPart {
+            name: part.name.clone(),
+            material: part.material.clone(),
+            vertices: (first as u32..self.positions.len() as u32).collect(),
+            texture_coordinates: part.texture_coordinates.clone(),
+            triangles: part.triangles.iter().copied().map(flip).collect(),
+        });
+    }
+
+    fn notes(&self, parts: &[Part], skipped: usize) -> Vec<String> {
+        let unweighted: usize = parts.iter().map(|p| p.unweighted).sum();
+        let mut notes = Vec::new();
+        let mut note = |count: usize, text: &str| {
+            if count > 0 {
+                notes.push(format!("{count} {text}"));
+            }
+        };
+        note(skipped, "primitives without triangles were left out");
+        note(
+            unweighted,
+            "vertices without weights move with their skin's first joint",
+        );
+        let text = "vertices lie where the bind pose has them: at rest their bones turn against each other";
+        note(self.cancelled, text);
+        if parts.iter().all(|p| p.skin.is_none()) {
+            notes.push("the file has no skin: all of it is one rigid bone".into());
+        }
+        if !self.boneless.is_empty() {
+            let names = self.boneless.join(", ");
+            notes.push(format!("left out, since no bone moves it: {names}"));
+        }
+        notes
+    }
+
+    fn weld(mut self, name: &str, rig: &Rig) -> (Body, Vec<Shape>) {
+        let vertices = Vertices {
+            positions: &self.positions,
+            skinning: &self.skinning,
+            shapes: &self.moves,
+        };
+        let (number, count) = weld(&vertices);
+        // The first of those that are one tells what it is.
+        let mut first = vec![usize::MAX; count];
+        for (v, &n) in number.iter().enumerate().rev() {
+            first[n as usize] = v;
+        }
+        let mut triangles = Vec::new();
+        let mut seen = BTreeSet::new();
+        for part in &mut self.drawn {
+            part.vertices
+                .iter_mut()
+                .for_each(|v| *v = number[*v as usize]);
+            for t in &part.triangles {
+                let [a, b, c] = t.map(|v| part.vertices[v as usize]);
+                let rotated = [[a, b, c], [b, c, a], [c, a, b]];
+                let flat = a == b || b == c || c == a;
+                if !flat && seen.insert(rotated.into_iter().min()) {
+                    triangles.push([a, b, c]);
+                }
+            }
+        }
+        let mut shapes: Vec<Shape> = (self.shapes.into_iter())
+            .map(|(name, default)| Shape {
+                name,
+                default,
+                moves: Vec::new(),
+            })
+            .collect();
+        for (n, &v) in first.iter().enumerate() {
+            for &(shape, d) in &self.moves[v] {
+                shapes[shape as usize].moves.push((n as u32, d));
+            }
+        }
+        for values in self.painted.values_mut() {
+            values.resize(number.len(), 0.0);
+            *values = first.iter().map(|&v| values[v]).collect();
+        }
+        let body = Body {
+            name: name.into(),
+            skeleton: rig.skeleton.clone(),
+            skin: Surface {
+                positions: first.iter().map(|&v| self.positions[v]).collect(),
+                triangles,
+            },
+            skinning: first.iter().map(|&v| self.skinning[v].clone()).collect(),
+            pose_blend: PoseBlend::default(),
+            bone_surfaces: Vec::new(),
+            layer: LayerMesh::default(),
+            painted: self.painted,
+            attachments: Vec::new(),
+            drawn: self.drawn,
+        };
+        (body, shapes)
+    }
+}

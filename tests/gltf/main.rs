@@ -1,0 +1,4 @@
+//! glTF and VRM in: every feature against an evaluation of its own, made from the file's JSON alone.
+
+mod assets;
+mod evaluation;
