@@ -6,6 +6,7 @@ mod avatar_source;
 mod character;
 mod file;
 pub mod gltf;
+pub mod motion;
 pub(crate) mod npy;
 mod npz;
 mod obj;
