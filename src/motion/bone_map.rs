@@ -1,6 +1,7 @@
 //! Which bone of a motion drives which bone of an avatar.
 
 use super::names::{BodyPart, Part, Side, body_parts, plain};
+use crate::model::Skeleton;
 use crate::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -32,7 +33,8 @@ impl BoneMap {
     /// # Errors
     /// [`Error::Invalid`] where the table names a bone that is not there, or one twice, and where no
     /// bone is mapped at all.
-    pub fn new(source: &[String], target: &[String], options: &MapOptions) -> Result<Self> {
+    pub fn new(source: &[String], skeleton: &Skeleton, options: &MapOptions) -> Result<Self> {
+        let target = &skeleton.names;
         let mut map = Builder {
             of_source: vec![None; source.len()],
             of_target: vec![None; target.len()],
@@ -42,20 +44,22 @@ impl BoneMap {
             let s = find(source, from, "motion")?;
             left_out.insert(s);
             if !to.is_empty() {
-                let t = find(target, to, "avatar")?;
+                let t = match skeleton.find(to) {
+                    Some(t) => t,
+                    None => find(target, to, "avatar")?,
+                };
                 if !map.pair(s, t) {
                     let problem = format!("{to:?} is driven by two bones; leave one out");
                     return Err(Error::invalid(format!("map.{from}"), problem));
                 }
             }
         }
-        let (from, to) = same_sides(body_parts(source), body_parts(target), options.hand);
+        let (from, to) = same_sides(body_parts(source), skeleton_parts(skeleton), options.hand);
         let free = |s: &usize| !left_out.contains(s);
         // SMPL's left_foot is not Mixamo's LeftFoot: what names mean decides, where both mean something.
         let agree = |s: usize, t: usize| from[s].is_none() || to[t].is_none() || from[s] == to[t];
         for s in (0..source.len()).filter(free) {
-            let mut equal = (0..target.len()).filter(|&t| source[s] == target[t] && agree(s, t));
-            if let Some(t) = equal.next() {
+            if let Some(t) = skeleton.find(&source[s]).filter(|&t| agree(s, t)) {
                 map.pair(s, t);
             }
         }
@@ -163,6 +167,18 @@ fn find(names: &[String], name: &str, whose: &str) -> Result<usize> {
     })
 }
 
+/// What the bones of `skeleton` are: its aliases (a VRM file's own word for it) go before its names.
+pub(super) fn skeleton_parts(skeleton: &Skeleton) -> Vec<Option<BodyPart>> {
+    let mut parts = body_parts(&skeleton.names);
+    let aliases: Vec<String> = skeleton.aliases.iter().map(|a| a.0.clone()).collect();
+    for ((_, bone), part) in skeleton.aliases.iter().zip(body_parts(&aliases)) {
+        if let (Some(slot), Some(part)) = (parts.get_mut(*bone as usize), part) {
+            *slot = Some(part);
+        }
+    }
+    parts
+}
+
 type Parts = Vec<Option<BodyPart>>;
 
 /// Gives hands without sides the side of the other skeleton, or the one that is asked for.
@@ -211,9 +227,20 @@ mod tests {
         names.split_whitespace().map(Into::into).collect()
     }
 
+    fn skeleton(of: &str) -> Skeleton {
+        let names = names(of);
+        Skeleton {
+            parents: (0..names.len() as u32).map(|j| j.checked_sub(1)).collect(),
+            joints: vec![glam::DVec3::ZERO; names.len()],
+            aliases: Vec::new(),
+            names,
+        }
+    }
+
     fn pairs(source: &str, target: &str, options: &MapOptions) -> Vec<(String, String)> {
-        let (source, target) = (names(source), names(target));
+        let (source, target) = (names(source), skeleton(target));
         let map = BoneMap::new(&source, &target, options).unwrap();
+        let target = target.names;
         let name = |(s, t): &(usize, usize)| (source[*s].clone(), target[*t].clone());
         map.pairs.iter().map(name).collect()
     }
@@ -270,7 +297,7 @@ mod tests {
             pairs("a B c", "b c d", &options),
             [pair("a", "b"), pair("c", "c")]
         );
-        let map = BoneMap::new(&names("a B c"), &names("b c d"), &options).unwrap();
+        let map = BoneMap::new(&names("a B c"), &skeleton("b c d"), &options).unwrap();
         assert_eq!(
             (map.unmapped_source, map.unmapped_target),
             (names("B"), names("d"))
@@ -304,7 +331,7 @@ mod tests {
                 table: table.collect(),
                 hand: None,
             };
-            let error = BoneMap::new(&names("a b"), &names("x y"), &options).unwrap_err();
+            let error = BoneMap::new(&names("a b"), &skeleton("x y"), &options).unwrap_err();
             assert!(error.to_string().contains(hint), "{error}");
         };
         wrong(

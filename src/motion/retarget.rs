@@ -1,6 +1,6 @@
 //! Poses of one skeleton on another.
 
-use super::bone_map::{BoneMap, MapOptions};
+use super::bone_map::{BoneMap, MapOptions, skeleton_parts};
 use super::fit::{Rule, Seen, best_rotation, fit_rotations, snapped, swing};
 use super::names::{BodyPart, Finger, Part, body_parts};
 use super::pose::BonePose;
@@ -102,10 +102,10 @@ impl Retarget {
         if (options.up.length() - 1.0).abs() > 1e-6 || !options.up.is_finite() {
             return Err(Error::invalid("up", "must be a unit vector"));
         }
-        let map = BoneMap::new(&source.names, &skeleton.names, &options.map)?;
+        let map = BoneMap::new(&source.names, skeleton, &options.map)?;
         let mut drives = vec![None; skeleton.len()];
         map.pairs.iter().for_each(|&(s, t)| drives[t] = Some(s));
-        let parts = body_parts(&skeleton.names);
+        let parts = skeleton_parts(skeleton);
         let mut this = Self {
             tip: tips(source, &map, &drives),
             source: drives,

@@ -9,7 +9,7 @@
 //! Mahmood et al., *AMASS: Archive of Motion Capture as Surface Shapes*, 2019. The root's joint is at
 //! J₀ + trans; `betas` and `gender` shape the body and are not needed to move one.
 
-use crate::load::npz::Archive;
+use crate::load::{file, npz};
 use crate::model::{MotionClip, MotionFrame, UpAxis};
 use crate::motion::smpl::{BODY as SMPL_BODY, FINGERS};
 use crate::{Error, Result};
@@ -21,9 +21,14 @@ use std::path::Path;
 /// # Errors
 /// [`Error::Io`]; [`Error::Format`] with the key, what was expected and what was found.
 pub fn read_amass(path: impl AsRef<Path>) -> Result<MotionClip> {
-    const RATES: [&str; 2] = ["mocap_framerate", "mocap_frame_rate"];
     let path = path.as_ref();
-    let archive = Archive::read(path, &["poses", "trans", RATES[0], RATES[1]])?;
+    parse_amass(&file::read_bytes(path)?, path)
+}
+
+/// Reads a motion from a file's `bytes`; `path` names it in errors. See [`read_amass`].
+pub fn parse_amass(bytes: &[u8], path: &Path) -> Result<MotionClip> {
+    const RATES: [&str; 2] = ["mocap_framerate", "mocap_frame_rate"];
+    let archive = npz::parse(bytes, path, &["poses", "trans", RATES[0], RATES[1]])?;
     let poses = archive.expect("poses", &[None, None])?;
     let (count, width) = (poses.shape[0], poses.shape[1]);
     let (bones, parents) = tree(width).ok_or_else(|| {

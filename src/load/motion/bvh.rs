@@ -6,6 +6,7 @@
 //! that write such channels on inner joints.
 
 use super::Unit;
+use crate::load::file;
 use crate::model::{MotionClip, MotionFrame, UpAxis};
 use crate::{Error, Result};
 use glam::{DQuat, DVec3};
@@ -27,7 +28,7 @@ pub struct BvhOptions {
 /// [`Error::Io`]; [`Error::Format`] with the line where it is broken.
 pub fn read_bvh(path: impl AsRef<Path>, options: &BvhOptions) -> Result<MotionClip> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    let bytes = file::read_bytes(path)?;
     parse_bvh(&String::from_utf8_lossy(&bytes), path, options)
 }
 

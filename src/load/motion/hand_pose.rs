@@ -7,6 +7,7 @@
 
 use super::js_literal::first_object;
 use super::pose_stream::{bone_pose, numbers};
+use crate::load::file;
 use crate::model::UpAxis;
 use crate::motion::{BonePose, BonePoses, PoseHeader};
 use crate::{Error, Result};
@@ -20,8 +21,7 @@ use std::path::Path;
 /// [`Error::Io`]; [`Error::Format`] with line or key.
 pub fn read_pose(path: impl AsRef<Path>) -> Result<(PoseHeader, BonePoses)> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-    parse_pose(&text, path)
+    parse_pose(&file::read_text(path)?, path)
 }
 
 /// Reads a pose from `text`; `path` names it in errors. See [`read_pose`].

@@ -7,7 +7,7 @@ mod js_literal;
 mod pose_stream;
 mod unit;
 
-pub use amass::read_amass;
+pub use amass::{parse_amass, read_amass};
 pub use bvh::{BvhOptions, parse_bvh, read_bvh};
 pub use hand_pose::{parse_pose, read_pose};
 pub use pose_stream::{PoseParser, PoseReader};
