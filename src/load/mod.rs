@@ -25,5 +25,5 @@ pub use character::{CharacterFormat, FileKind, read_character};
 pub use gltf::{parse_gltf, read_gltf};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
-pub use smpl::{parse_smpl, read_smpl};
+pub use smpl::{HandPose, SmplKind, SmplModel, parse_smpl, read_smpl, read_smpl_model};
 pub use tet_mesh::{TetMeshFile, parse_tet_mesh, read_tet_mesh};
