@@ -1,6 +1,6 @@
 //! Any character file: what it is, and the body in it.
 
-use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh};
+use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh, separate_tissue};
 use crate::math::Rows;
 use crate::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
 use crate::sample::limb::one_bone_body;
@@ -114,10 +114,14 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Body> {
                 let problem = format!("{} are given, the model has {known}", betas.len());
                 return Err(Error::format(path, "betas", problem));
             }
-            Ok(Body::of_model(&name, &model, betas, Vec::new()))
+            let body = Body::of_model(&name, &model, betas, Vec::new());
+            Ok(separate_tissue(body))
         }
         CharacterFormat::Gltf => read_gltf(path)?.body(betas),
-        CharacterFormat::Obj => Ok(skin_around_one_bone(&name, read_obj(path)?)),
+        CharacterFormat::Obj => {
+            let whole = skin_around_one_bone(&name, read_obj(path)?);
+            Ok(separate_tissue(whole))
+        }
         CharacterFormat::Tets => {
             let TetMeshFile {
                 mesh,

@@ -15,6 +15,7 @@ mod pickle;
 pub mod scene;
 mod smpl;
 mod tet_mesh;
+mod tissue;
 mod weld;
 
 pub use avatar_source::{
@@ -27,3 +28,4 @@ pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
 pub use smpl::{HandPose, SmplKind, SmplModel, parse_smpl, read_smpl, read_smpl_model};
 pub use tet_mesh::{TetMeshFile, parse_tet_mesh, read_tet_mesh};
+pub use tissue::separate_tissue;

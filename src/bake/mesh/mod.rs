@@ -16,7 +16,7 @@ mod samples;
 mod scanlines;
 mod skin_points;
 
-pub(super) use disjoint_sets::DisjointSets;
+pub(crate) use disjoint_sets::DisjointSets;
 pub use lattice::{LatticeSize, lattice};
 pub use prism_shell::{ShellOptions, local_radius, prism_shell};
 pub use quality::MeshQuality;
