@@ -7,7 +7,7 @@
 use super::bone_axes::{BoneAxis, extent};
 use super::sound_skin::SoundSkin;
 use crate::math::{Rows, par_map};
-use crate::model::{Body, Surface};
+use crate::model::{Body, Skeleton, SkinWeight, Surface};
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,8 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ShellOptions {
-    /// Greatest depth of the layer, m; by default 4 % of the skin's largest extent.
+    /// Greatest depth of the layer, m; by default 4 % of the skin's largest extent, 0.6 % on a head (a bone so
+    /// named, and those that hang on it).
     pub thickness: Option<f64>,
     /// Depth under the skin that follows a bone, by the bone's name, m.
     pub thickness_of_bone: BTreeMap<String, f64>,
@@ -34,6 +35,9 @@ const THICKNESS: f64 = 0.04;
 const TETS: usize = 50_000;
 const MOST_LAYERS: usize = 3;
 
+/// The same on a head and what hangs on it, where the skull lies right below.
+const ON_HEADS: f64 = 0.006;
+
 /// Greatest depth relative to the local radius.
 const OF_RADIUS: f64 = 0.5;
 
@@ -42,6 +46,9 @@ const OF_RADIUS_AS_TOLD: f64 = 0.8;
 
 /// Depth that bones leave in any case, relative to the local radius.
 const OVER_BONES: f64 = 0.15;
+
+/// Cosine between two normals that face away from each other.
+const FACING_AWAY: f64 = -0.17;
 
 /// Greatest change of depth along an edge, relative to its length.
 const SLOPE: f64 = 0.5;
@@ -106,7 +113,12 @@ pub(crate) fn thickness(
     let of_bone: BTreeMap<u32, f64> = (options.thickness_of_bone.iter())
         .filter_map(|(name, &value)| Some((body.skeleton.find(name)? as u32, value)))
         .collect();
+    let on_head = match options.thickness {
+        None => share_of_bones(&body.skinning, &head_bones(&body.skeleton)),
+        Some(_) => vec![0.0; radius.len()],
+    };
     let automatic = par_map(radius.len(), |v| {
+        let most = most * (1.0 - on_head[v] * (1.0 - ON_HEADS / THICKNESS));
         let room = (axes.iter().map(|axis| axis.distance(skin.positions[v])))
             .fold(f64::INFINITY, f64::min)
             .max(OVER_BONES * radius[v]);
@@ -129,19 +141,42 @@ pub(crate) fn thickness(
 }
 
 /// Radius of the largest ball that touches the skin at each vertex from inside, m: the least
-/// |p − q|² / (2 n·(p − q)) over the vertices q that face another way (by 60° or more: nearby ones
-/// would turn the error of a normal into a tiny ball). No more than half the diagonal.
+/// |p − q|² / (2 n·(p − q)) over the vertices q that face away (by 100° or more: a breast or a belly is as
+/// deep as the body behind it, and not as its own curvature). No more than the skin's extent.
 fn local_radius(skin: &Surface, normals: &[DVec3]) -> Vec<f64> {
     let most = extent(skin);
     par_map(skin.positions.len(), |v| {
         let (p, n) = (skin.positions[v], normals[v]);
         (skin.positions.iter().zip(normals))
-            .filter(|&(_, other)| n.dot(*other) < 0.5)
+            .filter(|&(_, other)| n.dot(*other) < FACING_AWAY)
             .map(|(q, _)| (p - *q, n.dot(p - *q)))
             .filter(|&(_, height)| height > 0.0)
             .map(|(offset, height)| offset.length_squared() / (2.0 * height))
             .fold(most, f64::min)
     })
+}
+
+/// Bones that are called head, and all that hang on them.
+fn head_bones(skeleton: &Skeleton) -> Vec<bool> {
+    let mut heads: Vec<bool> = (skeleton.names.iter())
+        .map(|name| name.to_lowercase().contains("head"))
+        .collect();
+    for (alias, bone) in &skeleton.aliases {
+        heads[*bone as usize] |= alias.to_lowercase().contains("head");
+    }
+    for (j, parent) in skeleton.parents.iter().enumerate() {
+        heads[j] |= parent.is_some_and(|p| heads[p as usize]);
+    }
+    heads
+}
+
+/// The part of each vertex' weight that is on `chosen` bones.
+fn share_of_bones(skinning: &Rows<SkinWeight>, chosen: &[bool]) -> Vec<f64> {
+    let share = |row: &[SkinWeight]| {
+        let on_chosen = row.iter().filter(|w| chosen[w.bone as usize]);
+        on_chosen.map(|w| w.weight).sum::<f64>().clamp(0.0, 1.0)
+    };
+    skinning.iter().map(share).collect()
 }
 
 /// Lowers `depth` until it changes by [`SLOPE`] at most along every edge.
