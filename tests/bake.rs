@@ -3,8 +3,8 @@
 use glam::DVec3;
 use std::path::Path;
 use supple::bake::{
-    CubatureRecipe, HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake, from_bytes,
-    full_space, read_avatar, to_bytes, write_avatar,
+    BakeCost, BakeReport, CubatureRecipe, HandlePlace, HandleRegion, Recipe, Truncation, all_tets,
+    bake, from_bytes, full_space, read_avatar, read_baked, to_bytes, write_avatar, write_baked,
 };
 use supple::math::Random;
 use supple::model::{Avatar, Body, PointSet, PoseBlend, SkinWeight};
@@ -43,6 +43,11 @@ fn baked(body: &Body, recipe: &Recipe) -> Avatar {
     bake(body, recipe, &mut |_| {}).unwrap().0
 }
 
+fn tiny() -> (Avatar, BakeReport) {
+    let recipe = recipe(HandlePlace::Skin, 8);
+    bake(&TINY.body().unwrap(), &recipe, &mut |_| {}).unwrap()
+}
+
 /// ∇(Σ_h U_h f(X_h)) and Σ_h U_h f(X_h) at a point, for the linear f with gradient `direction`.
 fn interpolated(avatar: &Avatar, points: &PointSet, i: usize, direction: DVec3) -> (f64, DVec3) {
     let row = points.basis.row(i).iter();
@@ -61,16 +66,20 @@ fn a_limb_bakes_with_handles_on_its_skin_and_in_its_volume() {
         println!("{}", serde_json::to_string_pretty(&report).unwrap());
         assert_eq!(phases, [0, 1, 2, 3, 4, 5, 6]);
         assert_eq!(
-            (report.nodes, report.tets, report.handles),
+            (
+                report.mesh.quality.nodes,
+                report.mesh.quality.tets,
+                report.handles.count
+            ),
             (2080, 7500, count)
         );
         let volume = body.layer.tissue_volume();
         let sum: f64 = avatar.cubature.measure.iter().sum();
         assert!((sum / volume - 1.0).abs() < 1e-12, "{sum} of {volume}");
         assert!(
-            report.linear_precision < 1e-9,
+            report.basis.linear_precision < 1e-9,
             "{:e}",
-            report.linear_precision
+            report.basis.linear_precision
         );
         assert!(
             report.cubature.points * 10 > count * 5,
@@ -78,9 +87,9 @@ fn a_limb_bakes_with_handles_on_its_skin_and_in_its_volume() {
             report.cubature
         );
         assert!(
-            (0.01..0.4).contains(&report.truncation_cost),
+            (0.01..0.4).contains(&report.basis.truncation_cost),
             "{}",
-            report.truncation_cost
+            report.basis.truncation_cost
         );
         // The rigid core: a prism over a regular polygon.
         let core = 0.5 * 20.0 * (std::f64::consts::TAU / 20.0).sin() * 0.015f64.powi(2) * 0.25;
@@ -256,26 +265,30 @@ fn skin_weights_inside_a_finger_follow_the_skin_and_the_bones() {
 fn same_input_same_bytes_whatever_the_threads() {
     let body = Limb::S.body().unwrap();
     let recipe = recipe(HandlePlace::Skin, 30);
-    let once = to_bytes(&baked(&body, &recipe)).unwrap();
-    assert!(once == to_bytes(&baked(&body, &recipe)).unwrap());
+    let once = to_bytes(&baked(&body, &recipe), None).unwrap();
+    assert!(once == to_bytes(&baked(&body, &recipe), None).unwrap());
     #[cfg(feature = "threads")]
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
-        assert!(once == pool.install(|| to_bytes(&baked(&body, &recipe)).unwrap()));
+        assert!(once == pool.install(|| to_bytes(&baked(&body, &recipe), None).unwrap()));
     }
 }
 
 #[test]
 fn a_file_comes_back_as_it_was_written() {
-    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let (avatar, mut report) = tiny();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("limb.supple");
     write_avatar(&avatar, &path).unwrap();
-    write_avatar(&avatar, &path).unwrap();
+    assert_eq!(read_baked(&path).unwrap().report, None);
+    write_baked(&avatar, &report, &path).unwrap();
     assert_eq!(read_avatar(&path).unwrap(), avatar);
+    // The report is kept but for what the bake took.
+    report.cost = BakeCost::default();
+    assert_eq!(read_baked(&path).unwrap().report, Some(report));
     // Nothing else is left beside it.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let nowhere = folder.path().join("missing").join("limb.supple");
@@ -295,14 +308,14 @@ fn problem(bytes: &[u8]) -> String {
 #[test]
 fn a_file_cut_anywhere_is_an_error() {
     let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
-    let bytes = to_bytes(&avatar).unwrap();
+    let bytes = to_bytes(&avatar, None).unwrap();
     for length in 0..bytes.len() {
         problem(&bytes[..length]);
     }
     let longer = [bytes.as_slice(), &[0]].concat();
     assert!(problem(&longer).contains("payload"));
     assert_eq!(
-        from_bytes(&bytes, Path::new("limb.supple")).unwrap(),
+        from_bytes(&bytes, Path::new("limb.supple")).unwrap().avatar,
         avatar
     );
 }
@@ -310,7 +323,7 @@ fn a_file_cut_anywhere_is_an_error() {
 #[test]
 fn every_flipped_bit_is_an_error() {
     let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
-    let bytes = to_bytes(&avatar).unwrap();
+    let bytes = to_bytes(&avatar, None).unwrap();
     let mut random = Random::new(5);
     // All of the header, and some of the rest.
     let header = 0..24 * 8;
@@ -325,8 +338,8 @@ fn every_flipped_bit_is_an_error() {
 #[test]
 fn a_forged_checksum_does_not_get_nonsense_in() {
     // Whoever recomputes the checksum of a changed payload gets a typed error or a valid avatar.
-    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
-    let bytes = to_bytes(&avatar).unwrap();
+    let (avatar, report) = tiny();
+    let bytes = to_bytes(&avatar, Some(&report)).unwrap();
     let mut random = Random::new(6);
     let mut refused = 0;
     for _ in 0..2000 {
@@ -340,7 +353,7 @@ fn a_forged_checksum_does_not_get_nonsense_in() {
         hasher.update(&forged[16..]);
         forged[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
         match from_bytes(&forged, Path::new("limb.supple")) {
-            Ok(avatar) => avatar.validate().unwrap(),
+            Ok(baked) => baked.avatar.validate().unwrap(),
             Err(Error::Format { .. }) => refused += 1,
             Err(other) => panic!("{other:?}"),
         }
@@ -351,10 +364,10 @@ fn a_forged_checksum_does_not_get_nonsense_in() {
 #[test]
 fn foreign_and_newer_files_are_named() {
     let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
-    let bytes = to_bytes(&avatar).unwrap();
+    let bytes = to_bytes(&avatar, None).unwrap();
     assert!(problem(b"glTF\x02\0\0\0 something else altogether").contains("not a baked avatar"));
     let mut newer = bytes.clone();
-    newer[8] = 2;
+    newer[8] = 3;
     assert!(problem(&newer).contains("update supple"));
     newer[8] = 0;
     assert!(problem(&newer).contains("bake it again"));
@@ -464,9 +477,12 @@ fn a_layer_of_twenty_thousand_nodes_bakes_in_half_a_minute() {
     let body = limb.body().unwrap();
     let start = std::time::Instant::now();
     let (_, report) = bake(&body, &recipe, &mut |_| {}).unwrap();
-    println!("{:?}\n{:?}", report.cubature, report.seconds);
-    assert_eq!((report.nodes, report.handles), (20328, 87));
-    assert!(start.elapsed().as_secs() < 30, "{:?}", report.seconds);
+    println!("{:?}\n{:?}", report.cubature, report.cost.seconds);
+    assert_eq!(
+        (report.mesh.quality.nodes, report.handles.count),
+        (20328, 87)
+    );
+    assert!(start.elapsed().as_secs() < 30, "{:?}", report.cost.seconds);
 }
 
 /// The sample hand: a lattice of 20,000 nodes, 87 handles over palm and pads, 700 points.
@@ -497,13 +513,13 @@ fn the_sample_hand_bakes_in_half_a_minute() {
         "{seconds:.1} s {}",
         serde_json::to_string_pretty(&report).unwrap()
     );
-    println!("{} bytes", to_bytes(&avatar).unwrap().len());
-    assert!(seconds < 30.0, "{:?}", report.seconds);
-    assert_eq!((report.handles, avatar.skeleton.len()), (87, 16));
+    println!("{} bytes", to_bytes(&avatar, None).unwrap().len());
+    assert!(seconds < 30.0, "{:?}", report.cost.seconds);
+    assert_eq!((report.handles.count, avatar.skeleton.len()), (87, 16));
     assert!(
-        report.linear_precision < 1e-9,
+        report.basis.linear_precision < 1e-9,
         "{:e}",
-        report.linear_precision
+        report.basis.linear_precision
     );
     assert!((report.cubature.weight_sum / report.cubature.volume - 1.0).abs() < 1e-12);
     assert!(!report.cubature.all_tets, "{:?}", report.cubature);

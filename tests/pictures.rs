@@ -83,6 +83,7 @@ fn a_strip_shows_shape_shadow_cut_and_legend() {
             title: "height (mm)".into(),
             maximum: 50.0,
         }),
+        key: Vec::new(),
     };
     let sheet = strip.compose(whole.background);
     if let Some(directory) = std::env::var_os("SUPPLE_PICTURES") {

@@ -7,11 +7,15 @@ use super::handles::Handles;
 use super::interior::InteriorField;
 use super::mesh::{MeshQuality, MeshReport};
 use super::points::{basis_at_tets, basis_on_skin, skinning_at_tets};
+use super::report::{
+    AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport, peak_memory,
+};
 use super::softness::Softness;
-use super::{BakeReport, Recipe, automatic};
+use super::{Recipe, automatic};
 use crate::math::Rows;
 use crate::model::{Avatar, Body, PointSet, SoftLayer, TetMesh};
 use crate::{Error, Result};
+use glam::DVec3;
 use std::time::Instant;
 
 /// The phases of a bake, in order.
@@ -154,26 +158,54 @@ pub fn bake(
         },
     };
     avatar.validate()?;
+    mesh_report.quality = quality;
+    let extent = {
+        let positions = || body.skin.positions.iter().copied();
+        let (low, high) = (
+            positions().reduce(DVec3::min),
+            positions().reduce(DVec3::max),
+        );
+        high.unwrap_or_default() - low.unwrap_or_default()
+    };
     let report = BakeReport {
         name: avatar.name.clone(),
+        extent: extent.to_array(),
+        bone_names: body.skeleton.names.clone(),
+        skin_vertices: body.skin.positions.len(),
+        skin_triangles: body.skin.triangles.len(),
+        attachments: (body.attachments.iter())
+            .map(|a| AttachmentReport {
+                name: a.name.clone(),
+                vertices: a.surface.positions.len(),
+                follows_tissue: a.follows_tissue,
+            })
+            .collect(),
         mesh: mesh_report,
-        nodes: quality.nodes,
         free_nodes: fixed.iter().filter(|f| !**f).count(),
-        tets: quality.tets,
-        smallest_dihedral: quality.smallest_dihedral,
-        median_dihedral: quality.median_dihedral,
-        largest_dihedral: quality.largest_dihedral,
-        skin_vertices: avatar.skin.len(),
-        handles: avatar.handles.len(),
-        linear_precision,
-        loose_tets,
-        truncation_cost,
-        handles_per_vertex: row_lengths(&avatar.skin.basis),
-        handles_per_point: row_lengths(&avatar.cubature.basis),
+        deep: softness.deep,
+        handles: HandleReport::new(
+            body,
+            &avatar.handles,
+            handles.per_region,
+            recipe.handles.is_empty(),
+        ),
+        basis: BasisReport {
+            linear_precision,
+            loose_tets,
+            truncation_cost,
+            handles_per_vertex: row_lengths(&avatar.skin.basis),
+            handles_per_point: row_lengths(&avatar.cubature.basis),
+        },
         cubature: cubature.report,
-        bones,
+        material,
+        material_chosen: recipe.material.is_none(),
         tissue_mass: avatar.tissue_mass(),
-        seconds,
+        bones,
+        notes: Vec::new(),
+        cost: BakeCost {
+            seconds,
+            peak_memory: peak_memory(),
+        },
     };
     Ok((avatar, report))
 }

@@ -6,8 +6,9 @@
 //! | 8..12 | version, little endian |
 //! | 12..16 | CRC-32 of the version, the length and the payload |
 //! | 16..24 | length of the payload, little endian |
-//! | 24.. | the [`Avatar`], postcard |
+//! | 24.. | the [`Avatar`] and, if there is one, its [`BakeReport`], postcard |
 
+use super::report::{BakeCost, BakeReport};
 use crate::model::Avatar;
 use crate::{Error, Result};
 use std::fs::{self, File};
@@ -16,18 +17,32 @@ use std::path::Path;
 
 const MAGIC: [u8; 8] = *b"SUPPLE\r\n";
 /// Raised when the payload's layout changes; files of other versions are refused.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 24;
 /// A larger file is not read: 1 GiB, a hundred times a detailed body.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// The bytes of the baked file of `avatar`.
+/// What a baked file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Baked {
+    /// The avatar.
+    pub avatar: Avatar,
+    /// What its bake did, without its cost.
+    pub report: Option<BakeReport>,
+}
+
+/// The bytes of the baked file of `avatar`. The report's cost is left out, so that the same bake gives the same
+/// bytes.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the avatar is not valid, or too large for a file.
-pub fn to_bytes(avatar: &Avatar) -> Result<Vec<u8>> {
+pub fn to_bytes(avatar: &Avatar, report: Option<&BakeReport>) -> Result<Vec<u8>> {
     avatar.validate()?;
-    let bytes = postcard::to_extend(avatar, vec![0; HEADER])
+    let report = report.map(|r| BakeReport {
+        cost: BakeCost::default(),
+        ..r.clone()
+    });
+    let bytes = postcard::to_extend(&(avatar, report), vec![0; HEADER])
         .map_err(|e| Error::invalid("avatar", format!("cannot be written: {e}")));
     let mut bytes = bytes?;
     let length = (bytes.len() - HEADER) as u64;
@@ -43,11 +58,11 @@ pub fn to_bytes(avatar: &Avatar) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The avatar of a baked file's `bytes`, validated in full; `path` names it in errors.
+/// What a baked file's `bytes` hold, the avatar validated in full; `path` names it in errors.
 ///
 /// # Errors
 /// [`Error::Format`] where they are not a whole, unharmed file of this version.
-pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Avatar> {
+pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Baked> {
     let fail = |field: &str, problem: String| Err(Error::format(path, field, problem));
     if bytes.get(..MAGIC.len()) != Some(&MAGIC) {
         return fail(
@@ -87,9 +102,9 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Avatar> {
     if checksum(bytes) != word(12) {
         return fail("checksum", "the file was damaged; bake it again".into());
     }
-    match postcard::take_from_bytes::<Avatar>(payload) {
-        Ok((avatar, [])) => match avatar.validate() {
-            Ok(()) => Ok(avatar),
+    match postcard::take_from_bytes::<(Avatar, Option<BakeReport>)>(payload) {
+        Ok(((avatar, report), [])) => match avatar.validate() {
+            Ok(()) => Ok(Baked { avatar, report }),
             Err(Error::Invalid { field, problem }) => fail(&field, problem),
             Err(other) => Err(other),
         },
@@ -98,13 +113,24 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Avatar> {
     }
 }
 
-/// Writes the baked file of `avatar`: beside `path` first, then renamed, so that no half file is ever seen.
+/// [`write_baked`] without a report.
+///
+/// # Errors
+/// As [`write_baked`].
+pub fn write_avatar(avatar: &Avatar, path: impl AsRef<Path>) -> Result<()> {
+    write(avatar, None, path.as_ref())
+}
+
+/// Writes the baked file of `avatar` and `report`: beside `path` first, then renamed, so that no half file is ever seen.
 ///
 /// # Errors
 /// As [`to_bytes`], and [`Error::Io`].
-pub fn write_avatar(avatar: &Avatar, path: impl AsRef<Path>) -> Result<()> {
-    let path = path.as_ref();
-    let bytes = to_bytes(avatar)?;
+pub fn write_baked(avatar: &Avatar, report: &BakeReport, path: impl AsRef<Path>) -> Result<()> {
+    write(avatar, Some(report), path.as_ref())
+}
+
+fn write(avatar: &Avatar, report: Option<&BakeReport>, path: &Path) -> Result<()> {
+    let bytes = to_bytes(avatar, report)?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
@@ -118,11 +144,19 @@ pub fn write_avatar(avatar: &Avatar, path: impl AsRef<Path>) -> Result<()> {
     })
 }
 
+/// The avatar of a baked file.
+///
+/// # Errors
+/// As [`read_baked`].
+pub fn read_avatar(path: impl AsRef<Path>) -> Result<Avatar> {
+    Ok(read_baked(path)?.avatar)
+}
+
 /// Reads a baked file.
 ///
 /// # Errors
 /// As [`from_bytes`], and [`Error::Io`].
-pub fn read_avatar(path: impl AsRef<Path>) -> Result<Avatar> {
+pub fn read_baked(path: impl AsRef<Path>) -> Result<Baked> {
     let path = path.as_ref();
     let io = |source| Error::io(path, source);
     let file = File::open(path).map_err(io)?;

@@ -1,7 +1,7 @@
 //! Avatars of scenes: read where they are baked, baked once where they are not.
 
 use super::{make_folder, progress};
-use crate::bake::{bake, read_avatar, write_avatar};
+use crate::bake::{bake, read_avatar, write_baked};
 use crate::load::{AvatarSource, read_avatar_source};
 use crate::model::Avatar;
 use crate::{Error, Result};
@@ -21,9 +21,9 @@ pub fn load(source: &AvatarSource, cache: &Path) -> Result<Avatar> {
     }
     make_folder(cache)?;
     let (body, recipe) = source.body()?;
-    let (avatar, _) = bake(&body, &recipe, &mut progress::baking(&body.name))?;
+    let (avatar, report) = bake(&body, &recipe, &mut progress::baking(&body.name))?;
     // Written beside it and renamed: a bake that is cut off leaves no half file.
-    write_avatar(&avatar, &path)?;
+    write_baked(&avatar, &report, &path)?;
     Ok(avatar)
 }
 

@@ -1,19 +1,34 @@
 //! `supple bake`.
 
-use super::{print, print_json, progress};
-use crate::Result;
-use crate::bake::{bake, write_avatar};
-use crate::load::avatar_source_of;
-use std::path::PathBuf;
+use super::bake_report::print_bake_report;
+use super::{make_folder, print, print_json, progress};
+use crate::bake::{BakeReport, bake, write_baked};
+use crate::export::write_bake_pictures;
+use crate::load::{AvatarSource, SourceBody, avatar_source_of, read_recipe_for};
+use crate::model::Avatar;
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `supple bake`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A TOML file: a recipe (sample, mesh or model, and how to bake it), or a scene.
-    recipe: PathBuf,
-    /// The baked file [default: the recipe's name with .supple].
+    /// A character (.npz, .pkl, .glb, .gltf, .vrm, .obj, tets), or a TOML file: a recipe that names one, or a scene.
+    file: PathBuf,
+    /// A recipe for FILE: a TOML file whose keys override what the bake would choose.
+    #[arg(long)]
+    recipe: Option<PathBuf>,
+    /// Shape parameters of the person, in the model's order: 1.5,-0.3,…
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    shape: Vec<f64>,
+    /// The baked file [default: out/<FILE>.supple].
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Where the pictures go [default: beside the baked file, <FILE>.bake].
+    #[arg(long, conflicts_with = "no_pictures")]
+    pictures: Option<PathBuf>,
+    /// No pictures.
+    #[arg(long)]
+    no_pictures: bool,
     /// Write the bake's figures to stdout as JSON.
     #[arg(long)]
     json: bool,
@@ -22,24 +37,84 @@ pub struct Arguments {
 impl Arguments {
     /// Bakes.
     pub fn run(self) -> Result<()> {
-        let source = avatar_source_of(&self.recipe)?;
-        let (body, recipe) = source.body()?;
-        let (avatar, report) = bake(&body, &recipe, &mut progress::baking(&body.name))?;
-        let output = self
-            .output
-            .unwrap_or_else(|| self.recipe.with_extension("supple"));
-        write_avatar(&avatar, &output)?;
+        let source = self.source()?;
+        let (avatar, report) = self.bake(&source)?;
+        let output = self.output();
+        if let Some(folder) = output.parent() {
+            make_folder(folder)?;
+        }
+        write_baked(&avatar, &report, &output)?;
+        let pictures = (!self.no_pictures).then(|| match &self.pictures {
+            Some(folder) => folder.clone(),
+            None => output.with_extension("bake"),
+        });
+        if let Some(folder) = &pictures {
+            make_folder(folder)?;
+            write_bake_pictures(&avatar, folder)?;
+        }
         if self.json {
             return print_json(&report);
         }
-        let seconds: f64 = report.seconds.iter().map(|s| s.1).sum();
-        print(format_args!(
-            "{}: {} handles, {} points, {} tets, {seconds:.1} s",
-            output.display(),
-            report.handles,
-            avatar.cubature.len(),
-            report.tets,
-        ));
+        print_bake_report(&report);
+        print(format_args!("\nwritten to {}", output.display()));
+        if let Some(folder) = &pictures {
+            print(format_args!("pictures in {}", folder.display()));
+        }
         Ok(())
+    }
+
+    fn source(&self) -> Result<AvatarSource> {
+        let mut source = match &self.recipe {
+            Some(recipe) => read_recipe_for(recipe, &self.file)?,
+            None => avatar_source_of(&self.file)?,
+        };
+        if !self.shape.is_empty() {
+            source
+                .set_shape(&self.shape)
+                .map_err(|e| name_file(e, &self.file))?;
+        }
+        Ok(source)
+    }
+
+    /// The avatar of `source`; an error names the file that is to blame.
+    fn bake(&self, source: &AvatarSource) -> Result<(Avatar, BakeReport)> {
+        let SourceBody {
+            body,
+            recipe,
+            notes,
+        } = source.read().map_err(|e| name_file(e, &self.file))?;
+        let baked = bake(&body, &recipe, &mut progress::baking(&body.name));
+        let recipe = self.recipe.as_ref().unwrap_or(&self.file);
+        let of_recipe = |field: &str| {
+            let keys = ["handles", "cubature", "mesher", "material", "truncation"];
+            keys.iter().any(|key| field.starts_with(key))
+        };
+        let named = baked.map_err(|e| match e {
+            Error::Invalid { field, problem } if of_recipe(&field) => {
+                Error::format(recipe, format!("bake.{field}"), problem)
+            }
+            other => name_file(other, &self.file),
+        });
+        let (avatar, report) = named?;
+        Ok((avatar, BakeReport { notes, ..report }))
+    }
+
+    fn output(&self) -> PathBuf {
+        let default = || {
+            let mut name = self.file.file_stem().unwrap_or_default().to_owned();
+            name.push(".supple");
+            Path::new("out").join(name)
+        };
+        self.output.clone().unwrap_or_else(default)
+    }
+}
+
+/// `error` as one of the file at `path`, unless it names one.
+fn name_file(error: Error, path: &Path) -> Error {
+    match error {
+        Error::Invalid { field, problem } => Error::format(path, field, problem),
+        Error::Solve { system, problem } => Error::format(path, system, problem),
+        Error::NotFinite { quantity } => Error::format(path, quantity, "is not finite"),
+        other => other,
     }
 }

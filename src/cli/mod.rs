@@ -3,6 +3,7 @@
 mod adapters;
 mod avatar;
 mod bake;
+mod bake_report;
 mod inspect;
 mod progress;
 mod sample;
@@ -24,11 +25,11 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Bake the avatar of a recipe or a scene into one file.
+    /// Bake a character file (or a recipe's) into one file that simulates.
     Bake(bake::Arguments),
     /// Simulate a scene: pictures, a GLB file and a report.
     Simulate(simulate::Arguments),
-    /// Say what is in a baked file.
+    /// Say what is in a baked file, or in a character file before it is baked.
     Inspect(inspect::Arguments),
     /// List the graphics adapters of this machine.
     Adapters(adapters::Arguments),

@@ -78,6 +78,15 @@ pub fn colour_map(t: f64) -> Colour {
     )
 }
 
+/// The `k`th of any number of colours that are told apart: hues of OKLCh a golden angle apart, light and dark by
+/// turns.
+pub fn category_colour(k: usize) -> Colour {
+    const LIGHTNESS: [f64; 3] = [0.72, 0.56, 0.84];
+    let hue = k as f64 * std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let (sin, cos) = (hue + 0.5).sin_cos();
+    oklab_to_rgb([LIGHTNESS[k % 3], 0.13 * cos, 0.13 * sin])
+}
+
 /// Linear RGB of OKLab (Björn Ottosson, "A perceptual color space for image processing", 2020).
 fn oklab_to_rgb([l, a, b]: [f64; 3]) -> Colour {
     let long = (l + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
@@ -99,6 +108,19 @@ mod tests {
     fn srgb_bytes_survive_the_round_trip() {
         for byte in 0..=255u32 {
             assert_eq!(to_srgb(from_srgb(byte * 0x010101)), [byte as u8; 3]);
+        }
+    }
+
+    #[test]
+    fn categories_differ_from_their_neighbours() {
+        for a in 0..60usize {
+            for b in a + 1..(a + 6).min(60) {
+                let [a, b] = [a, b].map(|k| to_srgb(category_colour(k)));
+                let apart: i32 = (0..3)
+                    .map(|c| (i32::from(a[c]) - i32::from(b[c])).abs())
+                    .sum();
+                assert!(apart > 40, "{a:?} {b:?}");
+            }
         }
     }
 

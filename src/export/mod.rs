@@ -3,6 +3,7 @@
 //! [`render`] draws [`Mesh`]es on the CPU, so that pictures come out without an adapter; [`Strip`] puts
 //! panels, captions and a [`Legend`] on one sheet.
 
+mod bake_pictures;
 mod colour;
 mod glb;
 mod image;
@@ -16,7 +17,8 @@ mod strip;
 mod tet_mesh;
 mod text;
 
-pub use colour::{Colour, colour_map, from_srgb};
+pub use bake_pictures::{BakePicture, bake_pictures, write_bake_pictures};
+pub use colour::{Colour, category_colour, colour_map, from_srgb};
 pub use glb::{GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, write_glb};
 pub use image::Image;
 pub use obj::write_obj;

@@ -28,6 +28,8 @@ pub struct Strip {
     pub panels: Vec<Panel>,
     /// Below them, if there is something to read off.
     pub legend: Option<Legend>,
+    /// What colours stand for, below that.
+    pub key: Vec<(Colour, String)>,
 }
 
 const INK: u32 = 0x33302c;
@@ -42,7 +44,10 @@ impl Strip {
         let width = panels.iter().map(|p| p.image.width).sum::<usize>() + gaps;
         let size = (height / 24).clamp(12, 28);
         let legend_rows = if self.legend.is_some() { 4 * size } else { 0 };
-        let mut sheet = Image::new(width, height + 2 * size + legend_rows, background);
+        let key = KeyLayout::new(&self.key, width, size);
+        let rows = height + 2 * size + legend_rows;
+        let mut sheet = Image::new(width, rows + key.height(), background);
+        key.draw(&self.key, &mut sheet, rows as i64);
         let ink = from_srgb(INK);
         let mut left = 0;
         for panel in panels {
@@ -63,6 +68,49 @@ impl Strip {
             legend.draw(&mut sheet, (height + 2 * size) as i64, size);
         }
         sheet
+    }
+}
+
+/// A key's entries in columns of equal width.
+struct KeyLayout {
+    columns: usize,
+    rows: usize,
+    column_width: usize,
+    size: usize,
+}
+
+impl KeyLayout {
+    /// Columns of the longest name, with letters no larger than fit the sheet.
+    fn new(key: &[(Colour, String)], width: usize, size: usize) -> Self {
+        let size = (3 * size / 4).max(10);
+        let names = key.iter().map(|(_, name)| text_width(name, size));
+        let column_width = names.max().unwrap_or(0) + 3 * size;
+        let columns = (width / column_width.max(1)).clamp(1, key.len().max(1));
+        Self {
+            columns,
+            rows: key.len().div_ceil(columns),
+            column_width,
+            size,
+        }
+    }
+
+    fn height(&self) -> usize {
+        match self.rows {
+            0 => 0,
+            rows => (3 * rows + 2) * self.size / 2,
+        }
+    }
+
+    /// Draws the entries column by column from row `y` on.
+    fn draw(&self, key: &[(Colour, String)], sheet: &mut Image, y: i64) {
+        let left = sheet.width.saturating_sub(self.columns * self.column_width) / 2;
+        for (k, (colour, name)) in key.iter().enumerate() {
+            let x = (left + k / self.rows * self.column_width + self.size / 2) as i64;
+            let y = y + (k % self.rows * self.size * 3 / 2) as i64;
+            sheet.fill(x, y, self.size, self.size, *colour);
+            let beside = x + (3 * self.size / 2) as i64;
+            draw_text(sheet, beside, y, self.size, name, from_srgb(INK));
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Any character file: what it is, and the body in it.
 
-use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh, separate_tissue};
+use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh};
 use crate::math::Rows;
 use crate::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
 use crate::sample::limb::one_bone_body;
@@ -87,11 +87,25 @@ impl FileKind {
     }
 }
 
-/// The body in the character file at `path`, its shape that of `betas`.
+/// What a character file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CharacterFile {
+    /// What the file is.
+    pub format: CharacterFormat,
+    /// The body; its layer is meshed only where the file holds tets.
+    pub body: Body,
+    /// Names of its shape directions, in order.
+    pub shapes: Vec<String>,
+    /// What was decided about the file, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Reads the character file at `path`, the body's shape being that of `betas`; missing ones are 0, or the file's own
+/// default.
 ///
 /// # Errors
 /// [`Error::Io`], [`Error::Format`] with the key or line at fault and its cure.
-pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Body> {
+pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<CharacterFile> {
     let path = path.as_ref();
     let format = match FileKind::of(path)? {
         FileKind::Character(format) => format,
@@ -101,36 +115,53 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Body> {
         }
         FileKind::Baked => return Err(Error::format(path, "format", "is baked already")),
     };
-    if !betas.is_empty() && matches!(format, CharacterFormat::Obj | CharacterFormat::Tets) {
-        let problem = "the file has one shape only: leave the shape parameters out";
-        return Err(Error::format(path, "betas", problem));
-    }
+    let check_betas = |known: usize| {
+        let sound = betas.len() <= known && betas.iter().all(|b| b.is_finite());
+        let problem = format!(
+            "{} numbers are given; the model has {known} shapes",
+            betas.len()
+        );
+        sound
+            .then_some(())
+            .ok_or_else(|| Error::format(path, "shape", problem))
+    };
+    let mut file = CharacterFile {
+        format,
+        body: skin_around_one_bone("", Vec::new()),
+        shapes: Vec::new(),
+        notes: Vec::new(),
+    };
     let name = stem(path);
     match format {
         CharacterFormat::Smpl => {
             let model = read_smpl(path)?;
-            let known = model.shape_directions.len();
-            if betas.len() > known {
-                let problem = format!("{} are given, the model has {known}", betas.len());
-                return Err(Error::format(path, "betas", problem));
-            }
-            let body = Body::of_model(&name, &model, betas, Vec::new());
-            Ok(separate_tissue(body))
+            let shapes = model.shape_directions.len();
+            check_betas(shapes)?;
+            file.body = Body::of_model(&name, &model, betas, Vec::new());
+            file.shapes = (0..shapes).map(|k| format!("shape {k}")).collect();
         }
-        CharacterFormat::Gltf => read_gltf(path)?.body(betas),
+        CharacterFormat::Gltf => {
+            let character = read_gltf(path)?;
+            check_betas(character.shapes.len())?;
+            file.body = character.body(betas)?;
+            file.shapes = character.shapes.into_iter().map(|s| s.name).collect();
+            file.notes = character.notes;
+        }
         CharacterFormat::Obj => {
-            let whole = skin_around_one_bone(&name, read_obj(path)?);
-            Ok(separate_tissue(whole))
+            check_betas(0)?;
+            file.body = skin_around_one_bone(&name, read_obj(path)?);
         }
         CharacterFormat::Tets => {
+            check_betas(0)?;
             let TetMeshFile {
                 mesh,
                 pinned,
                 surface,
             } = read_tet_mesh(path)?;
-            one_bone_body(&name, mesh, &pinned, &surface)
+            file.body = one_bone_body(&name, mesh, &pinned, &surface)?;
         }
     }
+    Ok(file)
 }
 
 /// All surfaces of `objects` around one bone in their middle.

@@ -6,7 +6,6 @@ mod avatar_source;
 mod character;
 mod file;
 pub mod gltf;
-pub mod motion;
 pub(crate) mod npy;
 mod npz;
 mod obj;
@@ -15,17 +14,15 @@ mod pickle;
 pub mod scene;
 mod smpl;
 mod tet_mesh;
-mod tissue;
 mod weld;
 
 pub use avatar_source::{
-    AvatarSource, Sample, avatar_source_of, read_avatar_source, read_recipe_for,
+    AvatarSource, Sample, SourceBody, avatar_source_of, read_avatar_source, read_recipe_for,
 };
 pub(crate) use avatar_source::{PALM, palm_map};
-pub use character::{CharacterFormat, FileKind, read_character};
+pub use character::{CharacterFile, CharacterFormat, FileKind, read_character};
 pub use gltf::{parse_gltf, read_gltf};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
-pub use smpl::{HandPose, SmplKind, SmplModel, parse_smpl, read_smpl, read_smpl_model};
+pub use smpl::{parse_smpl, read_smpl};
 pub use tet_mesh::{TetMeshFile, parse_tet_mesh, read_tet_mesh};
-pub use tissue::separate_tissue;

@@ -10,7 +10,6 @@ mod rows;
 mod sparse;
 mod stopwatch;
 mod tensor;
-mod winding;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
 pub use nearest::NearestPoint;
@@ -21,4 +20,3 @@ pub use rows::Rows;
 pub use sparse::{DenseFactor, SparseFactor, SparseSymmetric};
 pub use stopwatch::Stopwatch;
 pub use tensor::{Mat9, Vec9, cofactor, contract, double_dot, flatten, unflatten};
-pub use winding::winding_number;

@@ -1,8 +1,7 @@
 //! A finger of three bones: a closed tapered skin with knuckles and pads, meshed as a prism shell.
 
 use crate::Result;
-use crate::bake::Mesher;
-use crate::bake::mesh::ShellOptions;
+use crate::bake::mesh::{ShellOptions, prism_shell};
 use crate::math::Rows;
 use crate::model::{Body, PoseBlend, Skeleton, SkinWeight, Surface};
 use glam::DVec3;
@@ -21,7 +20,7 @@ const REST_BEND: [f64; 3] = [0.0, 0.14, 0.08];
 const BLEND: f64 = 0.008;
 
 /// How finely a finger is made.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finger {
     /// Aimed length of the skin's edges, m.
     pub edge_length: f64,
@@ -35,9 +34,8 @@ impl Default for Finger {
         Self {
             edge_length: 0.0028,
             shell: ShellOptions {
-                thickness: Some(0.005),
-                layers: Some(2),
-                ..ShellOptions::default()
+                thickness: 0.005,
+                layers: 2,
             },
         }
     }
@@ -48,7 +46,7 @@ impl Finger {
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] where the edge length is not between 1 and 6 mm, or as
-    /// [`Mesher::mesh`].
+    /// [`prism_shell`].
     pub fn body(&self) -> Result<Body> {
         if !(0.001..=0.006).contains(&self.edge_length) {
             return Err(crate::Error::invalid(
@@ -59,7 +57,8 @@ impl Finger {
         let axis = CentreLine::new();
         let (skin, arc) = finger_skin(&axis, self.edge_length);
         let skinning: Rows<SkinWeight> = arc.iter().map(|&s| bone_weights(s)).collect();
-        let mut body = Body {
+        let layer = prism_shell(&skin, &skinning, self.shell)?;
+        let body = Body {
             name: "finger".into(),
             skeleton: Skeleton {
                 aliases: Vec::new(),
@@ -71,12 +70,11 @@ impl Finger {
             skinning,
             pose_blend: PoseBlend::default(),
             bone_surfaces: Vec::new(),
-            layer: Default::default(),
+            layer,
             painted: Default::default(),
             attachments: Vec::new(),
             drawn: Vec::new(),
         };
-        Mesher::PrismShell(self.shell.clone()).mesh(&mut body)?;
         body.validate()?;
         Ok(body)
     }
@@ -311,11 +309,7 @@ mod tests {
     fn the_shell_is_sound_at_every_size() {
         for edge_length in [0.0015, 0.0028, 0.005] {
             for (thickness, layers) in [(0.003, 1), (0.005, 2), (0.02, 4)] {
-                let shell = ShellOptions {
-                    thickness: Some(thickness),
-                    layers: Some(layers),
-                    ..ShellOptions::default()
-                };
+                let shell = ShellOptions { thickness, layers };
                 let body = Finger { edge_length, shell }.body().unwrap();
                 let quality = MeshQuality::of(&body.layer.mesh);
                 assert_eq!(quality.inverted, 0, "{quality}");

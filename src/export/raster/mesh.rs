@@ -98,6 +98,59 @@ impl Mesh {
     }
 }
 
+/// Balls (centre, radius, colour) as one mesh of few triangles each.
+pub fn point_cloud(balls: impl Iterator<Item = (DVec3, f64, Colour)>) -> Mesh {
+    let unit = ball();
+    let mut mesh = Mesh::new(Surface::default(), [0.0; 3]);
+    for (centre, radius, colour) in balls {
+        let first = mesh.surface.positions.len() as u32;
+        for n in &unit.positions {
+            mesh.surface.positions.push(centre + radius * *n);
+            mesh.normals.push(*n);
+            mesh.colours.push(colour);
+        }
+        let triangles = unit.triangles.iter().map(|t| t.map(|v| v + first));
+        mesh.surface.triangles.extend(triangles);
+    }
+    mesh
+}
+
+/// The unit ball as an octahedron whose triangles are split twice: 66 vertices.
+fn ball() -> Surface {
+    const SPLITS: u32 = 4;
+    let mut surface = Surface::default();
+    let mut index = std::collections::HashMap::new();
+    let mut vertex = |corner: [i64; 3], surface: &mut Surface| {
+        *index.entry(corner).or_insert_with(|| {
+            let place = DVec3::from_array(corner.map(|c| c as f64));
+            surface.positions.push(place.normalize_or(DVec3::Z));
+            surface.positions.len() as u32 - 1
+        })
+    };
+    for octant in 0..8u32 {
+        let sign = [0, 1, 2].map(|bit| if octant >> bit & 1 == 0 { 1 } else { -1 });
+        let inward = sign.iter().product::<i64>() < 0;
+        // Barycentric grid points (i, j, SPLITS − i − j) of the face.
+        let at = |i: u32, j: u32| {
+            let grid = [i, j, SPLITS - i - j].map(i64::from);
+            [0, 1, 2].map(|k| sign[k] * grid[k])
+        };
+        for i in 0..SPLITS {
+            for j in 0..SPLITS - i {
+                let mut faces = vec![[at(i + 1, j), at(i, j + 1), at(i, j)]];
+                if i + j + 1 < SPLITS {
+                    faces.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+                for [a, b, c] in faces {
+                    let [a, b, c] = [a, b, c].map(|p| vertex(p, &mut surface));
+                    (surface.triangles).push(if inward { [a, c, b] } else { [a, b, c] });
+                }
+            }
+        }
+    }
+    surface
+}
+
 /// Points (distance from the axis, height) of a quarter or half circle, from angle `from` to `to`.
 fn arc(radius: f64, height: f64, from: f64, to: f64) -> Vec<DVec2> {
     const SEGMENTS: usize = 32;
@@ -211,6 +264,10 @@ mod tests {
             }),
             tube + sphere,
         );
+        let octahedra = point_cloud([(DVec3::X, 2.0, [0.5; 3])].into_iter()).surface;
+        assert!(octahedra.is_closed() && octahedra.positions.len() == 66);
+        let ball = 4.0 / 3.0 * PI * 8.0;
+        assert!((0.9..1.0).contains(&(octahedra.volume() / ball)));
         let half_extents = [0.1, 0.2, 0.3];
         assert_relative_eq!(volume(Shape::Box { half_extents }), 0.048, epsilon = 1e-12);
     }

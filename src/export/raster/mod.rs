@@ -7,5 +7,6 @@ mod mesh;
 mod render;
 
 pub use camera::{Camera, Projection};
+pub(super) use mesh::point_cloud;
 pub use mesh::{Mesh, Plane};
 pub use render::{View, render};

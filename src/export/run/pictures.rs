@@ -67,6 +67,7 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
             title: "unposed displacement (mm)".into(),
             maximum: 1e3 * maximum,
         }),
+        key: Vec::new(),
     };
     strip.compose(view.background)
 }

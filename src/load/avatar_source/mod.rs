@@ -148,7 +148,24 @@ impl AvatarSource {
             let problem = "what is baked already, or has its own recipe, takes none here";
             return Err(Error::invalid("avatar.bake", problem));
         }
-        self.bake.as_ref().map_or(Ok(()), Recipe::validate)
+        let of_bake = |e: Error| match e {
+            Error::Invalid { field, problem } => Error::invalid(format!("bake.{field}"), problem),
+            other => other,
+        };
+        (self.bake.iter()).try_for_each(|recipe| recipe.validate().map_err(of_bake))
+    }
+
+    /// Asks for the shape `betas` of the model.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of a source that has one shape only.
+    pub fn set_shape(&mut self, betas: &[f64]) -> Result<()> {
+        if self.model.is_none() {
+            let problem = "this body has one shape only; a character file that has shape directions is needed";
+            return Err(Error::invalid("shape", problem));
+        }
+        self.betas = betas.to_vec();
+        Ok(())
     }
 
     /// Puts relative paths into `folder`.
@@ -176,23 +193,33 @@ impl AvatarSource {
     /// # Errors
     /// What reading, generating and meshing say; [`Error::Invalid`] of a source that is baked already.
     pub fn body(&self) -> Result<(Body, Recipe)> {
+        let SourceBody { body, recipe, .. } = self.read()?;
+        Ok((body, recipe))
+    }
+
+    /// The body to be baked, how, and what was decided about its file.
+    ///
+    /// # Errors
+    /// As [`AvatarSource::body`].
+    pub fn read(&self) -> Result<SourceBody> {
         if let Some(path) = &self.recipe {
             let source = read_avatar_source(path)?;
             if source.recipe.is_some() {
-                return Err(Error::format(
-                    path,
-                    "recipe",
-                    "a recipe cannot name another one",
-                ));
+                let problem = "a recipe cannot name another one";
+                return Err(Error::format(path, "recipe", problem));
             }
-            return source.body();
+            return source.read();
         }
+        let mut notes = Vec::new();
         let (body, recipe) = if let Some(sample) = self.sample {
             sample.body()?
         } else if let Some(path) = &self.mesh {
-            (read_character(path, &[])?, limb_recipe())
+            (read_character(path, &[])?.body, limb_recipe())
         } else if let Some(path) = &self.model {
-            (self.model_body(path)?, Recipe::default())
+            let mut character = read_character(path, &self.betas)?;
+            self.complete(&mut character.body)?;
+            notes = character.notes;
+            (character.body, Recipe::default())
         } else {
             let problem = "a baked file has no body to bake; name a sample, mesh or model";
             return Err(match &self.file {
@@ -200,12 +227,15 @@ impl AvatarSource {
                 None => Error::invalid("avatar", problem),
             });
         };
-        Ok((body, self.bake.clone().unwrap_or(recipe)))
+        Ok(SourceBody {
+            body,
+            recipe: self.bake.clone().unwrap_or(recipe),
+            notes,
+        })
     }
 
-    /// A model's body, with its bone surfaces and painted maps if they are given.
-    fn model_body(&self, path: &Path) -> Result<Body> {
-        let mut body = read_character(path, &self.betas)?;
+    /// Gives a model's body its bone surfaces and painted maps.
+    fn complete(&self, body: &mut Body) -> Result<()> {
         if let Some(path) = &self.bones {
             body.bone_surfaces = bones_by_name(&body.skeleton.names, path)?;
         }
@@ -213,8 +243,19 @@ impl AvatarSource {
             let map = read_painted(path, name, body.skin.positions.len())?;
             body.painted.insert(name.clone(), map);
         }
-        Ok(body)
+        Ok(())
     }
+}
+
+/// A body on its way into a bake.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceBody {
+    /// The body.
+    pub body: Body,
+    /// How it is baked.
+    pub recipe: Recipe,
+    /// What was decided about its file, a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// A surface for each bone, from an OBJ file whose objects carry the bones' names.
