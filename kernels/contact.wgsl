@@ -21,10 +21,17 @@ fn contact(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let state = batch[chunk.first + id.y];
     let point = points[i];
+    let first = first_distance(state.slot, i, state.colliders);
+    // A vertex without an area touches nothing.
+    if (point.measure == 0.0) {
+        for (var k = 0u; k < state.colliders; k++) {
+            distances[first + k] = vec4(0.0);
+        }
+        return;
+    }
     let rest = unposed[state.instance * constants.points + i];
     let t = unposed_position(point, rest, state.slot * constants.handles);
     let p = skinned_position(point, t, state.slot * constants.bones);
-    let first = first_distance(state.slot, i, state.colliders);
     for (var k = 0u; k < state.colliders; k++) {
         let collider = colliders[state.instance * constants.colliders + k];
         // The collider's own frame: Rᵀ (p − c).

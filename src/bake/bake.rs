@@ -1,5 +1,6 @@
 //! The bake itself, phase after phase.
 
+use super::attached::{followed, with_attachments};
 use super::biharmonic::BiharmonicSystem;
 use super::bone_mass::bone_masses;
 use super::cubature::{Cubature, Tissue};
@@ -129,6 +130,8 @@ pub fn bake(
         basis: basis_on_skin(&layer.skin_embedding, &basis),
         pose_blend: body.pose_blend.clone(),
     };
+    let attached = followed(body);
+    let (skin, triangles) = with_attachments(body, skin, &attached);
 
     clock.start(5);
     let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
@@ -143,7 +146,9 @@ pub fn bake(
         handles: handles.positions,
         cubature: points,
         skin,
-        triangles: body.skin.triangles.clone(),
+        triangles,
+        attached,
+        drawn: body.drawn.clone(),
         material,
         density: recipe.density,
         damping_time: recipe.damping_time,
@@ -173,13 +178,7 @@ pub fn bake(
         bone_names: body.skeleton.names.clone(),
         skin_vertices: body.skin.positions.len(),
         skin_triangles: body.skin.triangles.len(),
-        attachments: (body.attachments.iter())
-            .map(|a| AttachmentReport {
-                name: a.name.clone(),
-                vertices: a.surface.positions.len(),
-                follows_tissue: a.follows_tissue,
-            })
-            .collect(),
+        attachments: AttachmentReport::of(body, &avatar.attached),
         mesh: mesh_report,
         free_nodes: fixed.iter().filter(|f| !**f).count(),
         deep: softness.deep,

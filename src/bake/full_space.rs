@@ -3,10 +3,10 @@
 //! Against the first, a run shows what the cubature costs; against the second, what the basis costs.
 
 use super::interior::InteriorField;
-use super::points::{basis_at_tets, basis_on_skin, skinning_at_tets};
+use super::points::{basis_at_tets, basis_on_skin, rows_through, skinning_at_tets};
 use crate::Result;
 use crate::math::Rows;
-use crate::model::{Avatar, PointSet, PoseBlend, SoftLayer, Surface};
+use crate::model::{Avatar, PointSet, PoseBlend, SoftLayer};
 
 /// `avatar` with every tet of its layer as a cubature point, in the same basis.
 ///
@@ -38,6 +38,8 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
     }
     let mut skin = avatar.skin.clone();
     skin.basis = basis_on_skin(&layer.skin_embedding, &basis);
+    let followers = rows_through(&avatar.attached, &skin.basis);
+    (followers.iter()).for_each(|row| skin.basis.push(row.iter().copied()));
     Ok(Avatar {
         name: format!("{}, full space", avatar.name),
         skeleton: avatar.skeleton.clone(),
@@ -46,6 +48,8 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         cubature: whole_layer(avatar, &basis)?,
         skin,
         triangles: avatar.triangles.clone(),
+        attached: avatar.attached.clone(),
+        drawn: avatar.drawn.clone(),
         material: avatar.material,
         density: avatar.density,
         damping_time: avatar.damping_time,
@@ -63,17 +67,16 @@ fn whole_layer(avatar: &Avatar, basis: &Rows<(u32, f64)>) -> Result<PointSet> {
     let mesh = &layer.mesh;
     let tets: Vec<u32> = (0..mesh.tets.len() as u32).collect();
     let pose_blend = if avatar.skin.pose_blend.features > 0 {
-        let skin = Surface {
-            positions: avatar.skin.position.clone(),
-            triangles: avatar.triangles.clone(),
+        let skin = &avatar.skin;
+        let tissue = |column: &[[f32; 3]]| column[..avatar.tissue_vertices()].to_vec();
+        let columns = skin.pose_blend.columns.chunks_exact(skin.len().max(1));
+        let of_tissue = PoseBlend {
+            features: skin.pose_blend.features,
+            columns: columns.flat_map(tissue).collect(),
         };
-        InteriorField::new(
-            mesh,
-            &layer.bone_of_node,
-            &layer.skin_embedding,
-            &skin.vertex_areas(),
-        )?
-        .pose_blend(&avatar.skin.pose_blend, mesh, &tets)
+        let embedding = &layer.skin_embedding;
+        InteriorField::new(mesh, &layer.bone_of_node, embedding, &skin.measure)?
+            .pose_blend(&of_tissue, mesh, &tets)
     } else {
         PoseBlend::default()
     };

@@ -5,6 +5,7 @@
 //! (`points`), bone masses (`bone_mass`). [`bake`] strings them together by a [`Recipe`], and `file`
 //! keeps the result.
 
+mod attached;
 mod automatic;
 #[allow(clippy::module_inception)]
 mod bake;

@@ -42,6 +42,23 @@ pub(super) fn basis_on_skin(
     embedding.iter().map(at_vertex).collect()
 }
 
+/// Handles of points that follow others: `shares` of `basis`.
+pub(super) fn rows_through(
+    shares: &Rows<(u32, f64)>,
+    basis: &Rows<BasisEntry>,
+) -> Rows<BasisEntry> {
+    let at_point = |followed: &[(u32, f64)]| {
+        let mut row: Vec<BasisEntry> = Vec::new();
+        for &(point, share) in followed {
+            for u in basis.row(point as usize) {
+                add(&mut row, u.handle, share * u.value, share * u.gradient);
+            }
+        }
+        row
+    };
+    shares.iter().map(at_point).collect()
+}
+
 /// Bones of each tet of `tets`: the mean of its nodes' weights, `most` bones at most.
 pub(super) fn skinning_at_tets(
     mesh: &TetMesh,

@@ -59,6 +59,8 @@ pub struct AttachmentReport {
     pub vertices: usize,
     /// Whether it follows the nearest tissue, or its bones alone.
     pub follows_tissue: bool,
+    /// Its vertices that are near enough to the skin to move with it.
+    pub following: usize,
 }
 
 /// Where handles stand.

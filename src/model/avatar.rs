@@ -1,6 +1,6 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
-use super::{PointSet, Skeleton, SkinWeight, Space, State, TetMesh};
+use super::{DrawnPart, PointSet, Skeleton, SkinWeight, Space, State, TetMesh};
 use crate::material::Material;
 use crate::math::Rows;
 use crate::{Error, Result};
@@ -56,6 +56,11 @@ pub struct Avatar {
     pub skin: PointSet,
     /// Triangles of the skin.
     pub triangles: Vec<[u32; 3]>,
+    /// The last skin vertices are not tissue's but attached to it: skin vertices (index, share) that
+    /// each of them follows. They have no area.
+    pub attached: Rows<(u32, f64)>,
+    /// How the body's file draws the skin; none where it is drawn as it is.
+    pub drawn: Vec<DrawnPart>,
     /// What the tissue is made of.
     pub material: Material,
     /// Density of the tissue, kg/m³.
@@ -86,6 +91,11 @@ impl Avatar {
         }
     }
 
+    /// Number of skin vertices that bound tissue; the others are attached.
+    pub fn tissue_vertices(&self) -> usize {
+        self.skin.len().saturating_sub(self.attached.len())
+    }
+
     /// Mass of the tissue, kg.
     pub fn tissue_mass(&self) -> f64 {
         self.density * self.cubature.measure.iter().sum::<f64>()
@@ -104,7 +114,10 @@ impl Avatar {
         layer.basis.validate("layer.basis", nodes)?;
         layer
             .skin_embedding
-            .validate("layer.skin_embedding", self.skin.len())?;
+            .validate("layer.skin_embedding", self.tissue_vertices())?;
+        self.attached
+            .validate("attached", self.skin.len() - self.tissue_vertices())?;
+        (self.drawn.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
         let check = |ok: bool, field: &str, problem: &str| {
             if ok {
                 Ok(())
@@ -169,6 +182,13 @@ impl Avatar {
                 .all(|&v| below(v, self.skin.len())),
             "triangles",
             "names a vertex that is not there",
+        )?;
+        check(
+            (self.attached.entries().iter())
+                .all(|&(v, share)| below(v, self.tissue_vertices()) && share.is_finite())
+                && (self.skin.measure[self.tissue_vertices()..].iter()).all(|&area| area == 0.0),
+            "attached",
+            "a vertex follows one that is not there, or has an area",
         )?;
         check(
             layer.mesh.tets.iter().flatten().all(|&n| below(n, nodes)),

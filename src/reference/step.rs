@@ -157,6 +157,11 @@ impl Step {
         let joints = &asset.avatar.skeleton.joints;
         let parts = Strided::new(stride, candidates);
         par_split(asset.skin.len(), VERTEX_GRAIN, parts, |v, out| {
+            // A vertex without an area touches nothing.
+            if asset.avatar.skin.measure[v] == 0.0 {
+                out.fill(Candidate::default());
+                return;
+            }
             let unposed = self.skin_unposed(asset, v, &motion.handles);
             let point = contact_point(asset.skin.skinning.row(v), joints, &motion.frames, unposed);
             for (out, collider) in out.iter_mut().zip(&self.colliders) {

@@ -49,6 +49,8 @@ pub fn random_avatar(
         layer: layer(random, bones, handles, skin.len()),
         skin,
         triangles,
+        attached: Rows::default(),
+        drawn: Vec::new(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 3e4,
             poissons_ratio: 0.45,
