@@ -34,7 +34,7 @@
 //! | 0 | [`error`], [`math`], `gpu` | plumbing that knows no physics |
 //! | 1 | [`model`], [`material`], [`collider`] | what an avatar is, what it is made of, what it touches |
 //! | 2 | [`potential`] | the interface between Newton and the two evaluations of the energy |
-//! | 3 | [`reference`](mod@reference), `stage`, [`skeleton`] | the f64 evaluation, the WGSL evaluation, the bones' own energies |
+//! | 3 | [`reference`](mod@reference), `stage`, [`skeleton`], [`motion`] | the f64 evaluation, the WGSL evaluation, the bones' own energies, recorded motion on a skeleton |
 //! | 4 | [`load`], [`sample`], [`bake`], [`sim`] | files in, generated models, offline precomputation, the step |
 //! | 5 | [`export`] | pictures, GLB, reports out |
 //! | 6 | `cli` | the command |
@@ -57,6 +57,7 @@ pub mod load;
 pub mod material;
 pub mod math;
 pub mod model;
+pub mod motion;
 pub mod potential;
 pub mod reference;
 pub mod sample;

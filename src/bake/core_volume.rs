@@ -1,9 +1,8 @@
 //! The rigid core of a body: what is inside the skin and not tissue, sampled on a grid.
 
-use super::mesh::Grid;
+use super::mesh::{Grid, SoundSkin};
 use crate::model::{Body, Surface};
 use glam::DVec3;
-use std::collections::HashMap;
 
 /// A cell of the core.
 pub(super) struct CoreSample {
@@ -19,9 +18,11 @@ const CELLS: f64 = 5e5;
 
 /// Grid cells whose centre is inside the skin, outside the layer and outside every surface of
 /// `known`. Inside is by winding number, so a skin that cuts through itself does no harm; holes are
-/// closed by a fan.
+/// closed by fans.
 pub(super) fn core_samples(body: &Body, known: &[&Surface]) -> Vec<CoreSample> {
-    let skin = without_holes(&body.skin);
+    let Ok(SoundSkin { surface: skin, .. }) = SoundSkin::new(&body.skin) else {
+        return Vec::new();
+    };
     let layer = Surface {
         positions: body.layer.mesh.nodes.clone(),
         triangles: body.layer.mesh.boundary_triangles(),
@@ -76,62 +77,4 @@ fn inside(grid: &Grid, surface: &Surface) -> Vec<bool> {
         }
     }
     out
-}
-
-/// `surface` with a fan over every part of its boundary, so that it encloses a volume.
-fn without_holes(surface: &Surface) -> Surface {
-    let mut edges = HashMap::new();
-    for &[a, b, c] in &surface.triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            *edges.entry((from, to)).or_insert(0i32) += 1;
-            *edges.entry((to, from)).or_insert(0i32) -= 1;
-        }
-    }
-    let mut open: Vec<(u32, u32)> = (edges.into_iter())
-        .filter(|&(_, n)| n > 0)
-        .flat_map(|(edge, n)| (0..n).map(move |_| edge))
-        .collect();
-    open.sort_unstable();
-    // Loops: edges joined by shared vertices.
-    let mut parent: HashMap<u32, u32> = open.iter().flat_map(|&(a, b)| [(a, a), (b, b)]).collect();
-    fn root(parent: &HashMap<u32, u32>, mut v: u32) -> u32 {
-        while parent[&v] != v {
-            v = parent[&v];
-        }
-        v
-    }
-    for &(a, b) in &open {
-        let (a, b) = (root(&parent, a), root(&parent, b));
-        parent.insert(a.max(b), a.min(b));
-    }
-    let mut closed = surface.clone();
-    let mut centres = HashMap::<u32, u32>::new();
-    for &(a, b) in &open {
-        let centre = *centres.entry(root(&parent, a)).or_insert_with_key(|&key| {
-            let rim = open.iter().filter(|e| root(&parent, e.0) == key);
-            let points: Vec<DVec3> = rim.map(|e| surface.positions[e.0 as usize]).collect();
-            let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-            closed.positions.push(mean);
-            closed.positions.len() as u32 - 1
-        });
-        closed.triangles.push([b, a, centre]);
-    }
-    closed
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sample::Limb;
-
-    #[test]
-    fn fans_close_the_cut_ends() {
-        let skin = Limb::S.body().unwrap().skin;
-        assert!(!skin.is_closed());
-        let closed = without_holes(&skin);
-        assert!(closed.is_closed());
-        assert_eq!(closed.positions.len(), skin.positions.len() + 2);
-        let again = without_holes(&closed);
-        assert_eq!(again.triangles.len(), closed.triangles.len());
-    }
 }

@@ -124,7 +124,7 @@ mod tests {
         assert_eq!((read.density, read.handles[0].spacing), (950.0, Some(0.01)));
         let shell = "[mesher.prism_shell]\nthickness = 0.01\nlayers = 2\n";
         let read: Recipe = toml::from_str(shell).unwrap();
-        assert!(matches!(read.mesher, Mesher::PrismShell(s) if s.layers == 2));
+        assert!(matches!(read.mesher, Mesher::PrismShell(s) if s.layers == Some(2)));
         let error = toml::from_str::<Recipe>("densty = 1.0")
             .unwrap_err()
             .to_string();

@@ -1,6 +1,6 @@
 //! Any character file: what it is, and the body in it.
 
-use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh};
+use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh, separate_tissue};
 use crate::math::Rows;
 use crate::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
 use crate::sample::limb::one_bone_body;
@@ -137,19 +137,21 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Character
             let model = read_smpl(path)?;
             let shapes = model.shape_directions.len();
             check_betas(shapes)?;
-            file.body = Body::of_model(&name, &model, betas, Vec::new());
+            let body = Body::of_model(&name, &model, betas, Vec::new());
+            file.body = separate_tissue(body);
             file.shapes = (0..shapes).map(|k| format!("shape {k}")).collect();
         }
         CharacterFormat::Gltf => {
             let character = read_gltf(path)?;
-            check_betas(character.shapes.len())?;
+            check_betas(character.shapes().len())?;
             file.body = character.body(betas)?;
-            file.shapes = character.shapes.into_iter().map(|s| s.name).collect();
+            file.shapes = character.shapes().iter().map(|s| s.name.clone()).collect();
             file.notes = character.notes;
         }
         CharacterFormat::Obj => {
             check_betas(0)?;
-            file.body = skin_around_one_bone(&name, read_obj(path)?);
+            let whole = skin_around_one_bone(&name, read_obj(path)?);
+            file.body = separate_tissue(whole);
         }
         CharacterFormat::Tets => {
             check_betas(0)?;

@@ -6,6 +6,7 @@ mod avatar_source;
 mod character;
 mod file;
 pub mod gltf;
+pub mod motion;
 pub(crate) mod npy;
 mod npz;
 mod obj;
@@ -14,6 +15,7 @@ mod pickle;
 pub mod scene;
 mod smpl;
 mod tet_mesh;
+mod tissue;
 mod weld;
 
 pub use avatar_source::{
@@ -24,5 +26,6 @@ pub use character::{CharacterFile, CharacterFormat, FileKind, read_character};
 pub use gltf::{parse_gltf, read_gltf};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
-pub use smpl::{parse_smpl, read_smpl};
+pub use smpl::{HandPose, SmplKind, SmplModel, parse_smpl, read_smpl, read_smpl_model};
 pub use tet_mesh::{TetMeshFile, parse_tet_mesh, read_tet_mesh};
+pub use tissue::separate_tissue;

@@ -1,4 +1,8 @@
-//! Welding: vertices that a file splits for texture coordinates or normals are one for the physics.
+//! Welding: vertices that a file splits are one for the physics.
+//!
+//! Vertices are one if they lie in the same place (to 1e-6 of the largest extent), move with the same
+//! shapes and have the same skin weights (to 1e-5 in all). So are, for the tissue alone, vertices on the
+//! rims of cuts whose weights differ by up to 0.25: they keep weights of their own where they are drawn.
 
 use crate::model::SkinWeight;
 use glam::{DVec3, I64Vec3};
@@ -10,8 +14,11 @@ const POSITION_TOLERANCE: f64 = 1e-6;
 /// Displacements of one shape may differ by this, relative to the largest extent.
 const SHAPE_TOLERANCE: f64 = 1e-5;
 
-/// And Σ |w − w'| may be this.
-const WEIGHT_TOLERANCE: f64 = 1e-3;
+/// Σ |w − w'| of vertices that a file draws as one.
+pub(super) const DRAWN_WEIGHTS: f64 = 1e-5;
+
+/// Σ |w − w'| of vertices on both sides of a cut that the tissue closes.
+pub(super) const CUT_WEIGHTS: f64 = 0.25;
 
 /// Vertices before welding.
 pub(super) struct Vertices<'a> {
@@ -21,40 +28,36 @@ pub(super) struct Vertices<'a> {
     pub shapes: &'a [Vec<(u32, DVec3)>],
 }
 
-/// For each vertex the first one that is the same: in the same place, moved by the same bones with the
-/// same weights and by the same shapes. (Lips that touch differ in shapes or weights and stay apart.)
-/// Every second value: how many there are after it.
-pub(super) fn weld(vertices: &Vertices<'_>) -> (Vec<u32>, usize) {
-    let positions = vertices.positions;
-    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = (positions.iter().copied()).fold(DVec3::NEG_INFINITY, DVec3::max);
-    let extent = (high - low).max_element().max(f64::MIN_POSITIVE);
-    let tolerance = POSITION_TOLERANCE * extent;
-    // A cell of twice the tolerance: what is near lies in the cell or next to it.
-    let cell = |p: DVec3| ((p - low) / (2.0 * tolerance)).floor().as_i64vec3();
-    let same = |a: usize, b: usize| {
-        positions[a].distance(positions[b]) <= tolerance
-            && weight_distance(&vertices.skinning[a], &vertices.skinning[b]) <= WEIGHT_TOLERANCE
-            && shape_distance(&vertices.shapes[a], &vertices.shapes[b]) <= SHAPE_TOLERANCE * extent
-    };
-    let mut cells: HashMap<I64Vec3, Vec<u32>> = HashMap::new();
-    let mut number: Vec<u32> = Vec::with_capacity(positions.len());
-    let mut count = 0;
-    for v in 0..positions.len() {
-        let own = cell(positions[v]);
-        let around = (0..27).map(|k| own + I64Vec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-        let near = around.filter_map(|c| cells.get(&c)).flatten();
-        let first = near.copied().filter(|&u| same(u as usize, v)).min();
-        number.push(match first {
-            Some(u) => number[u as usize],
-            None => {
-                cells.entry(own).or_default().push(v as u32);
-                count += 1;
-                count - 1
+impl Vertices<'_> {
+    /// For each vertex the lowest one that is the same: in the same place, moved by the same shapes, and
+    /// by the same bones with weights that differ by `weight_tolerance` in all. Vertices for which
+    /// `joins` is false are the same as none. (Lips that touch differ in shapes or weights and stay apart.)
+    pub fn same(&self, weight_tolerance: f64, joins: impl Fn(usize) -> bool) -> Vec<u32> {
+        let positions = self.positions;
+        let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = (positions.iter().copied()).fold(DVec3::NEG_INFINITY, DVec3::max);
+        let extent = (high - low).max_element().max(f64::MIN_POSITIVE);
+        let tolerance = POSITION_TOLERANCE * extent;
+        // A cell of twice the tolerance: what is near lies in the cell or next to it.
+        let cell = |p: DVec3| ((p - low) / (2.0 * tolerance)).floor().as_i64vec3();
+        let same = |a: usize, b: usize| {
+            positions[a].distance(positions[b]) <= tolerance
+                && weight_distance(&self.skinning[a], &self.skinning[b]) <= weight_tolerance
+                && shape_distance(&self.shapes[a], &self.shapes[b]) <= SHAPE_TOLERANCE * extent
+        };
+        let mut cells: HashMap<I64Vec3, Vec<u32>> = HashMap::new();
+        let mut first: Vec<u32> = (0..positions.len() as u32).collect();
+        for v in (0..positions.len()).filter(|&v| joins(v)) {
+            let own = cell(positions[v]);
+            let around = (0..27).map(|k| own + I64Vec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+            let near = around.filter_map(|c| cells.get(&c)).flatten();
+            match near.copied().filter(|&u| same(u as usize, v)).min() {
+                Some(u) => first[v] = u,
+                None => cells.entry(own).or_default().push(v as u32),
             }
-        });
+        }
+        first
     }
-    (number, count as usize)
 }
 
 /// Σ |w − w'|.

@@ -10,6 +10,7 @@ mod rows;
 mod sparse;
 mod stopwatch;
 mod tensor;
+mod winding;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
 pub use nearest::NearestPoint;
@@ -20,3 +21,4 @@ pub use rows::Rows;
 pub use sparse::{DenseFactor, SparseFactor, SparseSymmetric};
 pub use stopwatch::Stopwatch;
 pub use tensor::{Mat9, Vec9, cofactor, contract, double_dot, flatten, unflatten};
+pub use winding::winding_number;

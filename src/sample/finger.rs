@@ -1,7 +1,8 @@
 //! A finger of three bones: a closed tapered skin with knuckles and pads, meshed as a prism shell.
 
 use crate::Result;
-use crate::bake::mesh::{ShellOptions, prism_shell};
+use crate::bake::Mesher;
+use crate::bake::mesh::ShellOptions;
 use crate::math::Rows;
 use crate::model::{Body, PoseBlend, Skeleton, SkinWeight, Surface};
 use glam::DVec3;
@@ -20,7 +21,7 @@ const REST_BEND: [f64; 3] = [0.0, 0.14, 0.08];
 const BLEND: f64 = 0.008;
 
 /// How finely a finger is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finger {
     /// Aimed length of the skin's edges, m.
     pub edge_length: f64,
@@ -34,8 +35,9 @@ impl Default for Finger {
         Self {
             edge_length: 0.0028,
             shell: ShellOptions {
-                thickness: 0.005,
-                layers: 2,
+                thickness: Some(0.005),
+                layers: Some(2),
+                ..ShellOptions::default()
             },
         }
     }
@@ -46,7 +48,7 @@ impl Finger {
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] where the edge length is not between 1 and 6 mm, or as
-    /// [`prism_shell`].
+    /// [`Mesher::mesh`].
     pub fn body(&self) -> Result<Body> {
         if !(0.001..=0.006).contains(&self.edge_length) {
             return Err(crate::Error::invalid(
@@ -57,8 +59,7 @@ impl Finger {
         let axis = CentreLine::new();
         let (skin, arc) = finger_skin(&axis, self.edge_length);
         let skinning: Rows<SkinWeight> = arc.iter().map(|&s| bone_weights(s)).collect();
-        let layer = prism_shell(&skin, &skinning, self.shell)?;
-        let body = Body {
+        let mut body = Body {
             name: "finger".into(),
             skeleton: Skeleton {
                 aliases: Vec::new(),
@@ -70,11 +71,12 @@ impl Finger {
             skinning,
             pose_blend: PoseBlend::default(),
             bone_surfaces: Vec::new(),
-            layer,
+            layer: Default::default(),
             painted: Default::default(),
             attachments: Vec::new(),
             drawn: Vec::new(),
         };
+        Mesher::PrismShell(self.shell.clone()).mesh(&mut body)?;
         body.validate()?;
         Ok(body)
     }
@@ -309,7 +311,11 @@ mod tests {
     fn the_shell_is_sound_at_every_size() {
         for edge_length in [0.0015, 0.0028, 0.005] {
             for (thickness, layers) in [(0.003, 1), (0.005, 2), (0.02, 4)] {
-                let shell = ShellOptions { thickness, layers };
+                let shell = ShellOptions {
+                    thickness: Some(thickness),
+                    layers: Some(layers),
+                    ..ShellOptions::default()
+                };
                 let body = Finger { edge_length, shell }.body().unwrap();
                 let quality = MeshQuality::of(&body.layer.mesh);
                 assert_eq!(quality.inverted, 0, "{quality}");

@@ -32,34 +32,10 @@ pub(super) fn bones_of_nodes(lattice: &BccLattice, bones: &[Surface]) -> BTreeMa
                     distances.insert((node([i as usize, j, k]), bone), 0.0);
                 }
             }
-            for t in 0..surface.triangles.len() {
-                let triangle = surface.corners(t);
-                let low = triangle.iter().copied().fold(DVec3::INFINITY, DVec3::min) - reach;
-                let high = triangle
-                    .iter()
-                    .copied()
-                    .fold(DVec3::NEG_INFINITY, DVec3::max)
-                    + reach;
-                let steps = |p: DVec3| ((p - grid.origin) / grid.spacing).to_array();
-                let (first, last) = (steps(low), steps(high));
-                let range = |a: usize| {
-                    let end = (last[a].floor() + 1.0).clamp(0.0, grid.counts[a] as f64) as usize;
-                    (first[a].ceil().max(0.0) as usize).min(end)..end
-                };
-                for k in range(2) {
-                    for j in range(1) {
-                        for i in range(0) {
-                            let node = node([i, j, k]);
-                            let place = lattice.node_position(node);
-                            let distance = (closest_point(place, &triangle) - place).length();
-                            if distance <= reach {
-                                let known = distances.entry((node, bone)).or_insert(distance);
-                                *known = known.min(distance);
-                            }
-                        }
-                    }
-                }
-            }
+        }
+        for (node, (offset, _)) in nodes_near(lattice, surface, reach) {
+            let known = distances.entry((node, bone)).or_insert(f64::INFINITY);
+            *known = known.min(offset.length());
         }
     }
     let mut nearest: BTreeMap<u32, Vec<(f64, u32)>> = BTreeMap::new();
@@ -73,6 +49,44 @@ pub(super) fn bones_of_nodes(lattice: &BccLattice, bones: &[Surface]) -> BTreeMa
             (node, bones.into_iter().map(|(_, bone)| bone).collect())
         })
         .collect()
+}
+
+/// The nodes within `reach` of a surface: the way to each from the closest place of it, and the normal there.
+pub(super) fn nodes_near(
+    lattice: &BccLattice,
+    surface: &Surface,
+    reach: f64,
+) -> BTreeMap<u32, (DVec3, DVec3)> {
+    let mut near: BTreeMap<u32, (DVec3, DVec3)> = BTreeMap::new();
+    for (t, centred) in (0..surface.triangles.len()).flat_map(|t| [(t, false), (t, true)]) {
+        let corners = surface.corners(t);
+        let low = corners.into_iter().fold(DVec3::INFINITY, DVec3::min) - reach;
+        let high = corners.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) + reach;
+        let shift = if centred { 0.5 } else { 0.0 };
+        let steps = |p: DVec3| ((p - lattice.origin) / lattice.cell - shift).to_array();
+        let (first, last) = (steps(low), steps(high));
+        let range = |a: usize| {
+            let count = lattice.counts[a] + usize::from(!centred);
+            let end = (last[a].floor() + 1.0).clamp(0.0, count as f64) as usize;
+            (first[a].ceil().max(0.0) as usize).min(end)..end
+        };
+        for (k, j) in range(2).flat_map(|k| range(1).map(move |j| (k, j))) {
+            for i in range(0) {
+                let node = if centred {
+                    lattice.centre_node([i, j, k])
+                } else {
+                    lattice.corner_node([i, j, k])
+                };
+                let place = lattice.node_position(node);
+                let offset = place - closest_point(place, &corners);
+                let nearer = |known: &(DVec3, DVec3)| offset.length() < known.0.length();
+                if offset.length() <= reach && near.get(&node).is_none_or(nearer) {
+                    near.insert(node, (offset, surface.area_vector(t).normalize_or_zero()));
+                }
+            }
+        }
+    }
+    near
 }
 
 /// The place of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, §5.1.5).

@@ -1,24 +1,34 @@
 //! Skin and bones → the tet mesh of the soft layer between them.
 //!
-//! - [`prism_shell`]: layers of prisms under a skin that has no bone surfaces;
-//! - [`lattice`]: a labelled lattice between a skin and the closed surfaces of its bones;
-//! - [`MeshQuality`]: what a mesh is worth.
+//! - `sound_skin`: what is wrong with a skin, and what is done about it;
+//! - `prism_shell`: layers of prisms under a skin, as deep as `thickness` says;
+//! - [`lattice`]: a labelled lattice between a skin and the closed surfaces of its bones, which
+//!   `bone_axes` derives where none are given;
+//! - [`MeshQuality`] and [`MeshReport`]: what a mesh is worth.
 
 mod bcc;
+mod bone_axes;
 mod bone_nodes;
 mod disjoint_sets;
 mod lattice;
+mod layer;
 mod pieces;
 mod prism_shell;
 mod quality;
 mod report;
 mod samples;
 mod scanlines;
+mod self_intersections;
 mod skin_points;
+mod sound_skin;
+mod thickness;
+mod winding;
 
-pub(super) use disjoint_sets::DisjointSets;
+pub(crate) use disjoint_sets::DisjointSets;
 pub use lattice::{LatticeSize, lattice};
-pub use prism_shell::{ShellOptions, local_radius, prism_shell};
+pub(super) use layer::{mesh_lattice, mesh_shell};
 pub use quality::MeshQuality;
 pub use report::{Hole, MeshReport, SkinReport};
 pub(super) use scanlines::Grid;
+pub(super) use sound_skin::SoundSkin;
+pub use thickness::ShellOptions;

@@ -153,4 +153,16 @@ impl Pieces {
             })
             .collect()
     }
+
+    /// Adds the nodes of `ends`, each with its bone, to those that are `held`.
+    pub fn hold(&mut self, ends: &BTreeMap<u32, u32>, held: &mut BTreeMap<u32, u32>) {
+        for p in 0..self.list.len() {
+            let joined = self.joined_nodes(p);
+            for (node, joined) in self.list[p].nodes.into_iter().zip(joined) {
+                if let Some(&bone) = ends.get(&node) {
+                    held.entry(joined).or_insert(bone);
+                }
+            }
+        }
+    }
 }

@@ -223,7 +223,7 @@ fn cells_between(lattice: &BccLattice, points: &[DVec3]) -> impl Iterator<Item =
 }
 
 /// Whether the segment `p`–`q` meets a triangle (Möller and Trumbore 1997), its border included.
-fn segment_meets(p: DVec3, q: DVec3, &[a, b, c]: &[DVec3; 3]) -> bool {
+pub(super) fn segment_meets(p: DVec3, q: DVec3, &[a, b, c]: &[DVec3; 3]) -> bool {
     let (way, ab, ac) = (q - p, b - a, c - a);
     let h = way.cross(ac);
     let scale = ab.dot(h);

@@ -1,15 +1,15 @@
 //! From the parts that a scene shows to one welded body.
 
-use super::character::{Character, Shape};
+use super::character::{Character, Shape, Whole};
 use super::container::File;
 use super::nodes::Nodes;
 use super::primitive::{Part, read_parts};
 use super::rig::{ReferencePart, Rig};
 use crate::Result;
-use crate::load::weld::{Vertices, weld};
+use crate::load::weld::{CUT_WEIGHTS, DRAWN_WEIGHTS, Vertices};
 use crate::model::{Body, DrawnPart, LayerMesh, PoseBlend, SkinWeight, Surface};
 use glam::DVec3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// The character of a file.
 pub(super) fn character(file: &File) -> Result<Character> {
@@ -28,11 +28,12 @@ pub(super) fn character(file: &File) -> Result<Character> {
         return Err(file.broken("meshes", "the scene shows no triangles that bones move"));
     }
     let stem = file.path.file_stem().unwrap_or_default();
-    let (body, shapes) = soup.weld(&stem.to_string_lossy(), &rig);
-    if let Some(v) = body.skin.positions.iter().position(|p| !p.is_finite()) {
+    let whole = soup.weld(&stem.to_string_lossy(), &rig);
+    let positions = &whole.body.skin.positions;
+    if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
         return Err(file.broken("meshes", format!("skin vertex {v} is not finite")));
     }
-    Ok(Character::new(body, shapes, rig.rest, notes))
+    Ok(Character::new(whole, rig.rest, notes))
 }
 
 /// All parts' vertices in one list, not yet welded.
@@ -123,32 +124,35 @@ impl Soup {
         notes
     }
 
-    fn weld(mut self, name: &str, rig: &Rig) -> (Body, Vec<Shape>) {
+    /// One body: welded as files split it, then along cuts.
+    fn weld(mut self, name: &str, rig: &Rig) -> Whole {
         let vertices = Vertices {
             positions: &self.positions,
             skinning: &self.skinning,
             shapes: &self.moves,
         };
-        let (number, count) = weld(&vertices);
-        // The first of those that are one tells what it is.
-        let mut first = vec![usize::MAX; count];
-        for (v, &n) in number.iter().enumerate().rev() {
-            first[n as usize] = v;
+        let drawn = vertices.same(DRAWN_WEIGHTS, |_| true);
+        let rims = rim_vertices(&self.triangles(&drawn), drawn.len());
+        let cuts = vertices.same(CUT_WEIGHTS, |v| rims[v]);
+        // Skin vertices are those that are the same as none before, for the physics; copies are those
+        // that are so only where they are drawn.
+        let (mut skin, mut copies) = (Vec::new(), Vec::new());
+        let mut number = vec![0; drawn.len()];
+        for v in (0..drawn.len()).filter(|&v| drawn[v] == v as u32) {
+            let list = if cuts[v] == v as u32 {
+                &mut skin
+            } else {
+                &mut copies
+            };
+            number[v] = list.len() as u32;
+            list.push(v);
         }
-        let mut triangles = Vec::new();
-        let mut seen = BTreeSet::new();
-        for part in &mut self.drawn {
-            part.vertices
-                .iter_mut()
-                .for_each(|v| *v = number[*v as usize]);
-            for t in &part.triangles {
-                let [a, b, c] = t.map(|v| part.vertices[v as usize]);
-                let rotated = [[a, b, c], [b, c, a], [c, a, b]];
-                let flat = a == b || b == c || c == a;
-                if !flat && seen.insert(rotated.into_iter().min()) {
-                    triangles.push([a, b, c]);
-                }
-            }
+        let physical: Vec<u32> = drawn.iter().map(|&v| cuts[v as usize]).collect();
+        let triangles = self.triangles(&physical);
+        for v in self.drawn.iter_mut().flat_map(|part| &mut part.vertices) {
+            let first = drawn[*v as usize] as usize;
+            let copy = cuts[first] as usize != first;
+            *v = number[first] + if copy { skin.len() as u32 } else { 0 };
         }
         let mut shapes: Vec<Shape> = (self.shapes.into_iter())
             .map(|(name, default)| Shape {
@@ -157,23 +161,25 @@ impl Soup {
                 moves: Vec::new(),
             })
             .collect();
-        for (n, &v) in first.iter().enumerate() {
+        for (n, &v) in skin.iter().enumerate() {
             for &(shape, d) in &self.moves[v] {
                 shapes[shape as usize].moves.push((n as u32, d));
             }
         }
         for values in self.painted.values_mut() {
-            values.resize(number.len(), 0.0);
-            *values = first.iter().map(|&v| values[v]).collect();
+            values.resize(drawn.len(), 0.0);
+            *values = skin.iter().map(|&v| values[v]).collect();
         }
         let body = Body {
             name: name.into(),
             skeleton: rig.skeleton.clone(),
             skin: Surface {
-                positions: first.iter().map(|&v| self.positions[v]).collect(),
-                triangles,
+                positions: skin.iter().map(|&v| self.positions[v]).collect(),
+                triangles: (triangles.iter())
+                    .map(|t| t.map(|v| number[v as usize]))
+                    .collect(),
             },
-            skinning: first.iter().map(|&v| self.skinning[v].clone()).collect(),
+            skinning: skin.iter().map(|&v| self.skinning[v].clone()).collect(),
             pose_blend: PoseBlend::default(),
             bone_surfaces: Vec::new(),
             layer: LayerMesh::default(),
@@ -181,6 +187,41 @@ impl Soup {
             attachments: Vec::new(),
             drawn: self.drawn,
         };
-        (body, shapes)
+        let copies = (copies.into_iter())
+            .map(|v| (number[cuts[v] as usize], self.skinning[v].clone()))
+            .collect();
+        Whole {
+            body,
+            copies,
+            shapes,
+        }
     }
+
+    /// All triangles of the vertices that `first` makes of each, once each, without flat ones.
+    fn triangles(&self, first: &[u32]) -> Vec<[u32; 3]> {
+        let mut seen = BTreeSet::new();
+        let all = self.drawn.iter().flat_map(|part| {
+            let vertex = |v: u32| first[part.vertices[v as usize] as usize];
+            part.triangles.iter().map(move |t| t.map(vertex))
+        });
+        all.filter(|&[a, b, c]| {
+            let turned = [[a, b, c], [b, c, a], [c, a, b]];
+            a != b && b != c && c != a && seen.insert(turned.into_iter().min())
+        })
+        .collect()
+    }
+}
+
+/// Which vertices lie on an edge that is not matched by an opposite one.
+fn rim_vertices(triangles: &[[u32; 3]], count: usize) -> Vec<bool> {
+    let edges = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+    let all: HashSet<[u32; 2]> = triangles.iter().flat_map(edges).collect();
+    let mut rims = vec![false; count];
+    for [a, b] in triangles.iter().flat_map(edges) {
+        if !all.contains(&[b, a]) {
+            rims[a as usize] = true;
+            rims[b as usize] = true;
+        }
+    }
+    rims
 }

@@ -1,0 +1,14 @@
+//! Motions in: one file a format.
+
+mod amass;
+mod bvh;
+mod hand_pose;
+mod js_literal;
+mod pose_stream;
+mod unit;
+
+pub use amass::{parse_amass, read_amass};
+pub use bvh::{BvhOptions, parse_bvh, read_bvh};
+pub use hand_pose::{parse_pose, read_pose};
+pub use pose_stream::{PoseParser, PoseReader};
+pub use unit::Unit;
