@@ -16,7 +16,7 @@ fn main() -> supple::Result<()> {
         println!("soft_layer CHARACTER PICTURE.png [x|y|z [0..1]]");
         return Ok(());
     };
-    let mut body = read_character(file, &[])?;
+    let mut body = read_character(file, &[])?.body;
     let start = std::time::Instant::now();
     let report = Mesher::Auto.mesh(&mut body)?;
     println!(
