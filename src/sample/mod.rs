@@ -1,9 +1,18 @@
 //! Models made by the crate itself: a limb, a finger, a hand; and seeded random ones.
 
+mod dual_quaternion;
+mod field;
 mod finger;
 pub mod hand;
+mod heat_weights;
 pub mod limb;
+mod polygonise;
+mod pose_columns;
 mod random;
+mod regressor;
+mod remesh;
+mod shape_motion;
+mod topology;
 
 pub use finger::Finger;
 pub use hand::{SampleHand, hand};

@@ -4,7 +4,7 @@
 //! +z (the palm faces −z). Distances between joint centres follow the ratios to hand length that
 //! Buchholz, Armstrong and Goldstein (1992) give, for a hand of 190 mm; the pose is relaxed and flat.
 
-use super::field::Axes;
+use crate::sample::field::Axes;
 use glam::DVec3;
 
 /// Bone names in MANO's order.

@@ -2,8 +2,8 @@
 //! the ends of radius and ulna.
 
 use super::anatomy::Digit;
-use super::field::{Axes, Section, Sweep};
 use crate::model::Surface;
+use crate::sample::field::{Axes, Section, Sweep};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -1,7 +1,7 @@
 //! Outlines of the parts of the hand: widths, heights and depths of digits, palm and wrist, mm.
 
 use super::anatomy::Digit;
-use super::field::{Axes, Ellipsoid, Section, Sweep};
+use crate::sample::field::{Axes, Ellipsoid, Section, Sweep};
 use glam::DVec3;
 
 /// Rows of a digit's profile: (segment, fraction of it, half width, height, depth).

@@ -3,34 +3,29 @@
 //!
 //! MANO itself may not be shipped; this hand stands in for it. Nothing is read from a file and nothing
 //! is copied: the skin is the zero level of an implicit function built from measured proportions
-//! (`anatomy`, `flesh`, `relief`, `shape`), polygonised and remeshed (`polygonise`, `remesh`). Skin
+//! (`anatomy`, `flesh`, `relief`, `shape`), polygonised and remeshed. Skin
 //! weights are heat that flows along the skin from each bone's segment (`weights`); shape directions are
 //! affine maps of the bones, blended by them (`shape_directions`); pose directions are fitted to the
-//! volume that linear blending loses at bent joints (`pose_columns`).
+//! volume that linear blending loses at bent joints (`sample::pose_columns`).
 //!
 //! Frame: metres, wrist joint at the origin, fingers along +x, thumb side +y, back of the hand +z; the
 //! palm faces −z. About 19 cm from the wrist to the tip of the middle finger.
 
 mod anatomy;
 mod bones;
-mod dual_quaternion;
-mod field;
 mod flesh;
 mod palmar;
-mod polygonise;
-mod pose_columns;
 mod poses;
-mod regressor;
 mod relief;
-mod remesh;
 mod shape;
 mod shape_directions;
 mod skin;
-mod topology;
 mod weights;
 
 use crate::Result;
-use crate::model::{ParametricModel, Surface};
+use crate::model::{ParametricModel, SkinWeight, Surface};
+use crate::sample::pose_columns::pose_columns;
+use crate::sample::regressor::{joint_regressor, ring_share};
 
 /// Lengths are in mm inside this module and in m outside.
 const METRE: f64 = 1e-3;
@@ -48,6 +43,14 @@ pub struct SampleHand {
     pub palmar: Vec<bool>,
 }
 
+/// How much a vertex belongs to the ring around joint `j`.
+fn closeness(j: usize, position: glam::DVec3, row: &[SkinWeight]) -> f64 {
+    match anatomy::parent(j) {
+        Some(p) => ring_share(row, j, p as usize),
+        None => (1.0 - position.x.abs() / 12.0).max(0.0),
+    }
+}
+
 /// Makes the hand; the same bits every time.
 ///
 /// # Errors
@@ -61,8 +64,13 @@ pub fn hand() -> Result<SampleHand> {
     let weights = weights::weights(&shape, &digits, &skin)?;
     let (directions, joint_motions) =
         shape_directions::shape_directions(&digits, &joints, &skin, &weights);
-    let joint_regressor =
-        regressor::joint_regressor(&skin, &weights, &joints, &directions, &joint_motions)?;
+    let joint_regressor = joint_regressor(
+        &skin,
+        |j, v| closeness(j, skin.positions[v], weights.row(v)),
+        &joints,
+        &directions,
+        &joint_motions,
+    )?;
     let palmar = palmar::palmar(&digits, &skin, &weights);
     let in_metres = |points: Vec<glam::DVec3>| -> Vec<glam::DVec3> {
         points.into_iter().map(|p| METRE * p).collect()
@@ -84,7 +92,7 @@ pub fn hand() -> Result<SampleHand> {
         parents: (0..16).map(anatomy::parent).collect(),
         names: anatomy::NAMES.map(String::from).to_vec(),
     };
-    model.pose_directions = pose_columns::pose_columns(&model, &digits)?;
+    model.pose_directions = pose_columns(&model, &digits)?;
     Ok(SampleHand {
         model,
         bones,
@@ -106,8 +114,14 @@ mod tests {
         let weights = weights::weights(&shape, &digits, &skin).unwrap();
         let (directions, motions) =
             shape_directions::shape_directions(&digits, &joints, &skin, &weights);
-        let rows =
-            regressor::joint_regressor(&skin, &weights, &joints, &directions, &motions).unwrap();
+        let rows = joint_regressor(
+            &skin,
+            |j, v| closeness(j, skin.positions[v], weights.row(v)),
+            &joints,
+            &directions,
+            &motions,
+        )
+        .unwrap();
         let regress = |j: usize, field: &[glam::DVec3]| -> glam::DVec3 {
             rows.row(j)
                 .iter()

@@ -1,15 +1,21 @@
-//! Random bends that a hand can make.
+//! How a hand bends.
 
 use super::anatomy::Digit;
 use crate::math::Random;
-use glam::DMat3;
+use crate::sample::pose_columns::Bends;
+use glam::{DMat3, DVec3};
+
+/// Unit direction of bone `j`.
+fn along(digits: &[Digit; 5], j: usize) -> DVec3 {
+    let (joints, segment) = (&digits[(j - 1) / 3].joints, (j - 1) % 3);
+    (joints[segment + 1] - joints[segment]).normalize()
+}
 
 /// Rotation of bone `j` relative to its parent: flexion towards the palm, abduction towards the thumb
 /// side, twist about the bone, degrees.
 fn bend(digits: &[Digit; 5], j: usize, degrees: [f64; 3]) -> DMat3 {
     let digit = &digits[(j - 1) / 3];
-    let segment = (j - 1) % 3;
-    let along = (digit.joints[segment + 1] - digit.joints[segment]).normalize();
+    let along = along(digits, j);
     let flexion_axis = digit.dorsal.cross(along).normalize();
     let dorsal = along.cross(flexion_axis);
     let [flexion, abduction, twist] = degrees.map(f64::to_radians);
@@ -23,14 +29,23 @@ fn bend(digits: &[Digit; 5], j: usize, degrees: [f64; 3]) -> DMat3 {
 const FINGER: [(f64, f64, f64); 3] = [(-15.0, 90.0, 12.0), (0.0, 100.0, 0.0), (-5.0, 75.0, 0.0)];
 const THUMB: [(f64, f64, f64); 3] = [(-15.0, 30.0, 20.0), (-5.0, 60.0, 5.0), (-10.0, 80.0, 0.0)];
 
-/// A random rotation that joint `j` can take relative to its parent.
-pub(super) fn random_bend(digits: &[Digit; 5], random: &mut Random, j: usize) -> DMat3 {
-    let ranges = if j >= 13 { THUMB } else { FINGER };
-    let (least, most, abduction) = ranges[(j - 1) % 3];
-    let degrees = [
-        random.uniform(least, most),
-        random.uniform(-1.0, 1.0) * abduction,
-        random.uniform(-4.0, 4.0),
-    ];
-    bend(digits, j, degrees)
+impl Bends for [Digit; 5] {
+    fn most_bulge(&self) -> f64 {
+        2.5e-3
+    }
+
+    fn random(&self, random: &mut Random, j: usize) -> DMat3 {
+        let ranges = if j >= 13 { THUMB } else { FINGER };
+        let (least, most, abduction) = ranges[(j - 1) % 3];
+        let degrees = [
+            random.uniform(least, most),
+            random.uniform(-1.0, 1.0) * abduction,
+            random.uniform(-4.0, 4.0),
+        ];
+        bend(self, j, degrees)
+    }
+
+    fn along(&self, j: usize) -> DVec3 {
+        along(self, j)
+    }
 }

@@ -2,7 +2,7 @@
 //! to the implicit function near its zero level, in mm; positive carves.
 
 use super::anatomy::Digit;
-use super::field::Sweep;
+use crate::sample::field::{Sweep, smoothstep};
 use glam::{DVec2, DVec3};
 
 /// A groove across the palmar side of a digit.
@@ -79,11 +79,6 @@ const LINES: [(&[[f64; 2]], f64); 5] = [
     (&[[2.0, 24.0], [4.5, 0.0], [2.0, -24.0]], 0.8),
     (&[[-5.0, 22.0], [-3.0, 0.0], [-5.0, -22.0]], 0.5),
 ];
-
-fn smoothstep(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
 
 fn bell(t: f64) -> f64 {
     (-t * t).exp()

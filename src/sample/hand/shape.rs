@@ -1,10 +1,10 @@
 //! The skin as one implicit function: palm, fingers and thumb, blended where flesh is continuous.
 
 use super::anatomy::Digit;
-use super::field::{Ellipsoid, Sweep, smooth_max, smooth_min};
 use super::flesh;
 use super::relief::{Detail, Relief};
-use super::remesh::Implicit;
+use crate::sample::field::{Ellipsoid, Sweep, smooth_max, smooth_min};
+use crate::sample::remesh::Implicit;
 use glam::DVec3;
 
 /// Where the forearm is cut.
@@ -63,20 +63,18 @@ impl HandShape {
         palm
     }
 
-    /// The whole skin: negative inside, about the distance (mm) near it.
-    pub fn distance(&self, p: DVec3) -> f64 {
-        let digits = self.digit_distances(p);
+    /// The skin without creases and nails.
+    pub fn smooth_distance(&self, p: DVec3) -> f64 {
+        self.without_relief(p, &self.digit_distances(p))
+    }
+
+    fn without_relief(&self, p: DVec3, digits: &[f64; 5]) -> f64 {
         let fingers = digits[1..4]
             .iter()
             .fold(digits[0], |a, &b| smooth_min(a, b, 3.0));
         let hand = smooth_min(self.palm(p), fingers, 7.0);
         let hand = smooth_min(hand, digits[4], 15.0);
-        let smooth = smooth_max(hand, CUT - p.x, 14.0);
-        let near = 1.0 - (smooth / RELIEF).powi(2);
-        if near <= 0.0 {
-            return smooth;
-        }
-        smooth + near * near * self.detail(p, &digits).carve
+        smooth_max(hand, CUT - p.x, 14.0)
     }
 
     /// Relief at `p`, and the edge length that it asks for.
@@ -96,20 +94,16 @@ impl HandShape {
 }
 
 impl Implicit for HandShape {
-    /// `p` moved onto the zero level by Newton steps along the gradient.
-    fn project(&self, mut p: DVec3) -> DVec3 {
-        for _ in 0..4 {
-            let value = self.distance(p);
-            let h = 1e-4;
-            let slope = DVec3::AXES.map(|e| (self.distance(p + h * e) - value) / h);
-            let slope = DVec3::from_array(slope);
-            if value.abs() < 1e-5 || slope.length_squared() < 1e-6 {
-                break;
-            }
-            p -= (value / slope.length_squared() * slope).clamp_length_max(3.0);
+    fn distance(&self, p: DVec3) -> f64 {
+        let digits = self.digit_distances(p);
+        let smooth = self.without_relief(p, &digits);
+        let near = 1.0 - (smooth / RELIEF).powi(2);
+        if near <= 0.0 {
+            return smooth;
         }
-        p
+        smooth + near * near * self.detail(p, &digits).carve
     }
+
     fn edge_length(&self, p: DVec3) -> f64 {
         let digits = self.digit_distances(p);
         let (digit, distance) = nearest(&digits);

@@ -5,9 +5,10 @@
 //! deviation.
 
 use super::anatomy::{Digit, parent};
-use super::field::Axes;
 use crate::math::Rows;
 use crate::model::{SkinWeight, Surface};
+use crate::sample::field::Axes;
+use crate::sample::shape_motion::{Growth, Motion, blended, joined_motions, orthogonalise};
 use glam::{DMat3, DVec3};
 
 /// Number of directions.
@@ -50,48 +51,28 @@ fn growth(k: usize, bone: usize) -> [f64; 3] {
     }
 }
 
-/// x ↦ linear · x + offset: the displacement of one bone's surroundings.
-#[derive(Clone, Copy)]
-struct Motion {
-    linear: DMat3,
-    offset: DVec3,
-}
-
-impl Motion {
-    fn at(&self, x: DVec3) -> DVec3 {
-        self.linear * x + self.offset
-    }
-}
-
-/// The motion of every bone in direction `k`; a child moves with its parent at their joint.
+/// The motion of every bone in direction `k`.
 fn motions(k: usize, digits: &[Digit; 5], joints: &[DVec3]) -> Vec<Motion> {
-    let mut all: Vec<Motion> = Vec::with_capacity(16);
-    for bone in 0..16 {
-        let axes = if bone == 0 {
-            Axes::new(DVec3::ZERO, DVec3::X, DVec3::Z)
-        } else {
-            let digit = &digits[(bone - 1) / 3];
-            let s = (bone - 1) % 3;
-            Axes::new(
-                digit.joints[s],
-                digit.joints[s + 1] - digit.joints[s],
-                digit.dorsal,
-            )
-        };
-        let [along, across, dorsal] = growth(k, bone);
-        let frame = DMat3::from_cols(axes.axis, axes.lateral, axes.dorsal);
-        let linear =
-            frame * DMat3::from_diagonal(DVec3::new(along, across, dorsal)) * frame.transpose();
-        let origin = match parent(bone) {
-            Some(p) => all[p as usize].at(joints[bone]),
-            None => DVec3::ZERO,
-        };
-        all.push(Motion {
-            linear,
-            offset: origin - linear * joints[bone],
-        });
-    }
-    all
+    let grows: Vec<Growth> = (0..16)
+        .map(|bone| {
+            let axes = if bone == 0 {
+                Axes::new(DVec3::ZERO, DVec3::X, DVec3::Z)
+            } else {
+                let digit = &digits[(bone - 1) / 3];
+                let s = (bone - 1) % 3;
+                Axes::new(
+                    digit.joints[s],
+                    digit.joints[s + 1] - digit.joints[s],
+                    digit.dorsal,
+                )
+            };
+            Growth {
+                frame: DMat3::from_cols(axes.axis, axes.lateral, axes.dorsal),
+                rate: growth(k, bone).into(),
+            }
+        })
+        .collect();
+    joined_motions(&grows, joints, parent)
 }
 
 /// Prominence of the fingers' joints, away from the digit's axis, mm: where two bones share a vertex.
@@ -139,16 +120,12 @@ pub(super) fn shape_directions(
                 .zip(weights.iter())
                 .zip(&normals)
                 .map(|((&x, row), &n)| {
-                    let blended: DVec3 = row
-                        .iter()
-                        .map(|w| w.weight * motions[w.bone as usize].at(x))
-                        .sum();
                     let swelling = match k {
                         7 => knuckle(digits, x, row),
                         9 => eminence(x) * n,
                         _ => DVec3::ZERO,
                     };
-                    blended + swelling
+                    blended(&motions, row, x) + swelling
                 })
                 .collect();
             let moved = (0..16).map(|j| motions[j].at(joints[j])).collect();
@@ -157,27 +134,4 @@ pub(super) fn shape_directions(
         .unzip();
     orthogonalise(&skin.vertex_areas(), &mut vertices, &mut moved);
     (vertices, moved)
-}
-
-/// Gram–Schmidt in the area-weighted product: orthogonal, as principal components are. Later
-/// directions say what earlier ones do not; joints follow, since all is linear.
-fn orthogonalise(areas: &[f64], vertices: &mut [Vec<DVec3>], joints: &mut [Vec<DVec3>]) {
-    let product = |a: &[DVec3], b: &[DVec3]| -> f64 {
-        let terms = a.iter().zip(b).zip(areas);
-        terms.map(|((u, v), area)| area * u.dot(*v)).sum()
-    };
-    let subtract = |from: &mut [DVec3], what: &[DVec3], scale: f64| {
-        from.iter_mut()
-            .zip(what)
-            .for_each(|(f, w)| *f -= scale * *w);
-    };
-    for k in 1..vertices.len() {
-        for l in 0..k {
-            let (before, rest) = vertices.split_at_mut(k);
-            let scale = product(&rest[0], &before[l]) / product(&before[l], &before[l]);
-            subtract(&mut rest[0], &before[l], scale);
-            let (before, rest) = joints.split_at_mut(k);
-            subtract(&mut rest[0], &before[l], scale);
-        }
-    }
 }

@@ -1,9 +1,9 @@
 //! The skin's mesh, from the implicit hand.
 
-use super::polygonise::polygonise;
-use super::remesh::remesh;
 use super::shape::HandShape;
 use crate::model::Surface;
+use crate::sample::polygonise::polygonise;
+use crate::sample::remesh::{Implicit, remesh};
 use crate::{Error, Result};
 use glam::DVec3;
 

@@ -6,15 +6,13 @@
 //!
 //!   Δ_v(θ) = B_v⁻¹ ( x_dual(v, θ) − x_linear(v, θ) ),   B_v = Σ_j w_vj R_j,
 //!
-//! plus a bulge on the compressed side that makes up, as far as [`MOST_BULGE`] allows, for the volume
+//! plus a bulge on the compressed side that makes up, as far as [`Bends::most_bulge`] allows, for the volume
 //! still missing (a joint behind the middle of its section loses some even when sections stay rigid),
 //! is fitted by ridge regression with SMPL's feature f(θ) (rows of R_parentᵀ R_child − I). A vertex uses
 //! only the features of joints between its own bones, so every column is local and vanishes at rest.
 //! Each fitted pose bends one joint; poses that bend many are predicted, and tests hold them out.
 
-use super::anatomy::Digit;
 use super::dual_quaternion::dual_quaternion_skin;
-use super::poses::random_bend;
 use crate::Result;
 use crate::math::{DenseFactor, Random, par_map, rotation_log};
 use crate::model::{Frame, ParametricModel, Skeleton, SkinWeight, Surface, pose_feature};
@@ -27,8 +25,18 @@ const SEED: u64 = 0x5eed_0001;
 /// Ridge, relative to the mean square of a feature: nine numbers describe a joint that mostly turns
 /// about one axis, so the fit is ill-posed without it.
 const RIDGE: f64 = 2e-3;
-/// The most that a bulge may rise, m.
-const MOST_BULGE: f64 = 2.5e-3;
+
+/// How a body bends.
+pub(super) trait Bends: Sync {
+    /// The most that a bulge may rise, m.
+    fn most_bulge(&self) -> f64;
+
+    /// A random rotation that joint `j` can take relative to its parent.
+    fn random(&self, random: &mut Random, j: usize) -> DMat3;
+
+    /// Unit direction of the bone that joint `j` moves.
+    fn along(&self, j: usize) -> DVec3;
+}
 
 /// Whether bone `a` is `b` or above it.
 fn is_above(parents: &[Option<u32>], a: u32, mut b: u32) -> bool {
@@ -132,17 +140,14 @@ fn bulge_shape(
 }
 
 /// The fitted columns: `[feature][vertex]`.
-pub(super) fn pose_columns(
-    model: &ParametricModel,
-    digits: &[Digit; 5],
-) -> Result<Vec<Vec<DVec3>>> {
+pub(super) fn pose_columns(model: &ParametricModel, bends: &dyn Bends) -> Result<Vec<Vec<DVec3>>> {
     let skeleton = model.skeleton(&[]);
     let features = 9 * (skeleton.len() - 1);
     let mut random = Random::new(SEED);
     let poses: Vec<(usize, DMat3)> = (0..POSES * (skeleton.len() - 1))
         .map(|n| {
             let j = 1 + n / POSES;
-            (j, random_bend(digits, &mut random, j))
+            (j, bends.random(&mut random, j))
         })
         .collect();
     let rest = Surface {
@@ -162,11 +167,9 @@ pub(super) fn pose_columns(
             .map(|(d, x)| *d + *x)
             .collect();
         let missing = volume - posed_volume(model, &skeleton, &frames, &unposed);
-        let digit = &digits[(j - 1) / 3];
-        let along = digit.joints[(j - 1) % 3 + 1] - digit.joints[(j - 1) % 3];
-        let shape = bulge_shape(model, &normals, j, along.normalize(), rotation);
+        let shape = bulge_shape(model, &normals, j, bends.along(j), rotation);
         let swept: f64 = shape.iter().zip(&areas).map(|(s, a)| s * a).sum();
-        let height = (missing / swept.max(1e-9)).clamp(0.0, MOST_BULGE);
+        let height = (missing / swept.max(1e-9)).clamp(0.0, bends.most_bulge());
         for ((d, s), n) in delta.iter_mut().zip(&shape).zip(&normals) {
             *d += height * *s * *n;
         }

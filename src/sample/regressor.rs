@@ -1,7 +1,6 @@
 //! The joint regressor: each joint as a combination of the skin vertices around it, exact for the
 //! template and close under every shape direction.
 
-use super::anatomy::parent;
 use crate::Result;
 use crate::math::{DenseFactor, Rows};
 use crate::model::{SkinWeight, Surface};
@@ -20,19 +19,16 @@ fn share(row: &[SkinWeight], bone: usize) -> f64 {
         .sum()
 }
 
-/// How much vertex `v` belongs to the ring around joint `j`.
-fn closeness(j: usize, position: DVec3, row: &[SkinWeight]) -> f64 {
-    match parent(j) {
-        Some(p) => 4.0 * share(row, j) * share(row, p as usize),
-        None => (1.0 - position.x.abs() / 12.0).max(0.0),
-    }
+/// How much a vertex with these weights belongs to the ring around the joint between two bones.
+pub(super) fn ring_share(row: &[SkinWeight], bone: usize, parent: usize) -> f64 {
+    4.0 * share(row, bone) * share(row, parent)
 }
 
-/// The minimum-norm coefficients a (Σ a²/closeness) with Σ a = 1, Σ a x = J and, for every shape
+/// Over the vertices v of `closeness(j, v)` > 0.1, the minimum-norm coefficients a (Σ a²/closeness) with Σ a = 1, Σ a x = J and, for every shape
 /// direction, Σ a d = δJ: a = C Bᵀ (B C Bᵀ)⁻¹ b.
 pub(super) fn joint_regressor(
     skin: &Surface,
-    weights: &Rows<SkinWeight>,
+    closeness: impl Fn(usize, usize) -> f64,
     joints: &[DVec3],
     directions: &[Vec<DVec3>],
     joint_motions: &[Vec<DVec3>],
@@ -40,7 +36,7 @@ pub(super) fn joint_regressor(
     let mut rows = Vec::with_capacity(joints.len());
     for (j, &joint) in joints.iter().enumerate() {
         let ring: Vec<(usize, f64)> = (0..skin.positions.len())
-            .map(|v| (v, closeness(j, skin.positions[v], weights.row(v))))
+            .map(|v| (v, closeness(j, v)))
             .filter(|&(_, c)| c > 0.1)
             .collect();
         let constraints = 4 + 3 * directions.len();

@@ -3,6 +3,12 @@
 
 use glam::DVec3;
 
+/// 0 for t ≤ 0, 1 for t ≥ 1, 3t² − 2t³ in between.
+pub(super) fn smoothstep(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
 /// Quadratic smooth minimum: equals min(a, b) where |a − b| ≥ k (Quilez, "smooth minimum").
 pub(super) fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
     let h = (k - (a - b).abs()).max(0.0) / k;

@@ -7,12 +7,28 @@ use super::topology::EditMesh;
 use crate::math::par_map;
 use glam::DVec3;
 
-/// What the remesher asks of a surface.
+/// What the remesher asks of a surface. Lengths in mm.
 pub(super) trait Implicit: Sync {
-    /// `p` moved onto the surface.
-    fn project(&self, p: DVec3) -> DVec3;
+    /// The field: negative inside, about the distance near its zero level.
+    fn distance(&self, p: DVec3) -> f64;
+
     /// Wanted edge length near `p`, up to a common factor.
     fn edge_length(&self, p: DVec3) -> f64;
+
+    /// `p` moved onto the zero level by Newton steps along the gradient.
+    fn project(&self, mut p: DVec3) -> DVec3 {
+        for _ in 0..4 {
+            let value = self.distance(p);
+            let h = 1e-4;
+            let slope = DVec3::AXES.map(|e| (self.distance(p + h * e) - value) / h);
+            let slope = DVec3::from_array(slope);
+            if value.abs() < 1e-5 || slope.length_squared() < 1e-6 {
+                break;
+            }
+            p -= (value / slope.length_squared() * slope).clamp_length_max(3.0);
+        }
+        p
+    }
 }
 
 /// Remeshes a closed surface to `vertices` vertices (more only where no edge can be collapsed).
@@ -196,14 +212,18 @@ fn relax(mesh: &mut EditMesh, surface: &dyn Implicit) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::polygonise::polygonise;
     use super::*;
     use crate::model::Surface;
+    use crate::sample::polygonise::polygonise;
 
     /// A sphere whose northern half wants edges half as long.
     struct Sphere(f64);
 
     impl Implicit for Sphere {
+        fn distance(&self, p: DVec3) -> f64 {
+            p.length() - self.0
+        }
+
         fn project(&self, p: DVec3) -> DVec3 {
             self.0 * p.normalize()
         }
