@@ -1,5 +1,6 @@
-//! Models made by the crate itself: a limb, a finger, a hand; and seeded random ones.
+//! Models made by the crate itself: a limb, a finger, a hand, a body; and seeded random ones.
 
+mod body;
 mod dual_quaternion;
 mod field;
 mod finger;
@@ -14,6 +15,7 @@ mod remesh;
 mod shape_motion;
 mod topology;
 
+pub use body::{SampleBody, body};
 pub use finger::Finger;
 pub use hand::{SampleHand, hand};
 pub use limb::Limb;

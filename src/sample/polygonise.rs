@@ -15,6 +15,11 @@ const TETS: [[usize; 4]; 6] = [
     [0, 5, 1, 7],
 ];
 
+/// Grid points along a block's side.
+const BLOCK: usize = 4;
+/// How far a field may exceed the distance: it is close to it only near its zero level.
+const SAFETY: f64 = 2.0;
+
 /// Triangles of {f = 0} on a grid of `cell` over the box, outward where `f` grows outward.
 pub(super) fn polygonise(
     low: DVec3,
@@ -32,9 +37,26 @@ pub(super) fn polygonise(
                 (i / (nx * ny)) as f64,
             )
     };
+    // Blocks far from the surface take the value of their middle, of which only the sign counts.
+    let blocks = size.as_usizevec3().map(|n| n.div_ceil(BLOCK));
+    let reach = SAFETY * 0.5 * cell * (BLOCK - 1) as f64 * 3f64.sqrt();
+    let far: Vec<Option<f64>> = par_map(blocks.x * blocks.y * blocks.z, |b| {
+        let corner = [
+            b % blocks.x,
+            b / blocks.x % blocks.y,
+            b / (blocks.x * blocks.y),
+        ];
+        let middle = corner.map(|c| (c * BLOCK) as f64 + 0.5 * (BLOCK - 1) as f64);
+        let value = f(low + cell * DVec3::from_array(middle));
+        (value.abs() > reach).then_some(value)
+    });
     let values: Vec<f64> = par_map(nz, |z| {
         (z * nx * ny..(z + 1) * nx * ny)
-            .map(|i| f(point(i)))
+            .map(|i| {
+                let block = [i % nx, i / nx % ny, z].map(|c| c / BLOCK);
+                far[block[0] + blocks.x * (block[1] + blocks.y * block[2])]
+                    .unwrap_or_else(|| f(point(i)))
+            })
             .collect::<Vec<_>>()
     })
     .into_iter()

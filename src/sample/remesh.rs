@@ -38,7 +38,25 @@ pub(super) fn remesh(
     triangles: Vec<[u32; 3]>,
     vertices: usize,
 ) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let mut mesh = EditMesh::new(positions, triangles);
+    remesh_to(surface, EditMesh::new(positions, triangles), vertices)
+}
+
+/// Remeshes half of a symmetric surface, open along one loop on x = 0, so that with its mirror image it
+/// has `vertices` vertices. Those on the plane have x = 0 exactly.
+pub(super) fn remesh_half(
+    surface: &dyn Implicit,
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    vertices: usize,
+) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    remesh_to(surface, EditMesh::half(positions, triangles), vertices)
+}
+
+fn remesh_to(
+    surface: &dyn Implicit,
+    mut mesh: EditMesh,
+    vertices: usize,
+) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut factor = 1.0;
     for _ in 0..12 {
         let sizes = sizes(surface, &mesh);
@@ -70,6 +88,15 @@ fn middle(mesh: &EditMesh, surface: &dyn Implicit, a: u32, b: u32) -> DVec3 {
     surface.project(0.5 * (mesh.positions[a as usize] + mesh.positions[b as usize]))
 }
 
+/// Where the ends of an edge meet: a vertex on the seam stays there.
+fn meeting(mesh: &EditMesh, surface: &dyn Implicit, a: u32, b: u32) -> DVec3 {
+    match (mesh.on_seam(a), mesh.on_seam(b)) {
+        (true, false) => mesh.positions[a as usize],
+        (false, true) => mesh.positions[b as usize],
+        _ => middle(mesh, surface, a, b),
+    }
+}
+
 fn collapse_short(mesh: &mut EditMesh, surface: &dyn Implicit, sizes: &[f64], factor: f64) {
     let wanted = |a: u32, b: u32| 0.5 * factor * (sizes[a as usize] + sizes[b as usize]);
     let mut moved = vec![false; mesh.positions.len()];
@@ -87,7 +114,7 @@ fn collapse_short(mesh: &mut EditMesh, surface: &dyn Implicit, sizes: &[f64], fa
             if moved[a as usize] || moved[b as usize] {
                 continue;
             }
-            let target = middle(mesh, surface, a, b);
+            let target = meeting(mesh, surface, a, b);
             let long = |v: u32| {
                 mesh.neighbours(v).into_iter().any(|n| {
                     n != a
@@ -128,9 +155,12 @@ fn split_long(mesh: &mut EditMesh, surface: &dyn Implicit, sizes: &[f64], factor
 fn settle(mesh: &mut EditMesh, surface: &dyn Implicit, vertices: usize) {
     while mesh.vertex_count() != vertices {
         let surplus = mesh.vertex_count() > vertices;
+        let missing = mesh.vertex_count().abs_diff(vertices);
         let mut edges: Vec<(f64, u32, u32)> = mesh
             .edges()
             .into_iter()
+            // In a half, edges of the seam for an odd number and all others for an even one.
+            .filter(|&(a, b)| !mesh.is_half() || mesh.step(a, b) % 2 == missing % 2)
             .map(|(a, b)| {
                 let at = 0.5 * (mesh.positions[a as usize] + mesh.positions[b as usize]);
                 (mesh.length(a, b) / surface.edge_length(at), a, b)
@@ -140,7 +170,7 @@ fn settle(mesh: &mut EditMesh, surface: &dyn Implicit, vertices: usize) {
         if surplus {
             let mut done = false;
             for (_, a, b) in edges {
-                let position = middle(mesh, surface, a, b);
+                let position = meeting(mesh, surface, a, b);
                 if mesh.collapse(a, b, position) {
                     done = true;
                     break;
@@ -165,17 +195,25 @@ fn improve(mesh: &mut EditMesh, surface: &dyn Implicit, rounds: usize) {
 }
 
 fn flip_to_regular(mesh: &mut EditMesh) {
-    let deviation = |v: usize| (v as f64 - 6.0).powi(2);
     for (a, b) in mesh.edges() {
         let Some((c, d)) = mesh.wing(a, b) else {
             continue;
         };
-        let [va, vb, vc, vd] = [a, b, c, d].map(|v| mesh.valence(v));
-        if va <= 3 || vb <= 3 {
+        if mesh.is_poor(a) || mesh.is_poor(b) {
             continue;
         }
-        let before = deviation(va) + deviation(vb) + deviation(vc) + deviation(vd);
-        let after = deviation(va - 1) + deviation(vb - 1) + deviation(vc + 1) + deviation(vd + 1);
+        // On the seam the mirror image flips as well.
+        let deviation = |v: u32, change: f64| {
+            let times = if mesh.on_seam(v) { 2.0 } else { 1.0 };
+            (mesh.valence(v) as f64 + times * change - 6.0).powi(2)
+        };
+        let sum = |change: f64| {
+            deviation(a, -change)
+                + deviation(b, -change)
+                + deviation(c, change)
+                + deviation(d, change)
+        };
+        let (before, after) = (sum(0.0), sum(1.0));
         // Ties go to the shorter diagonal.
         let shorter = mesh.length(c, d) < 0.8 * mesh.length(a, b);
         if after < before || (after == before && shorter) {
@@ -204,8 +242,15 @@ fn relax(mesh: &mut EditMesh, surface: &dyn Implicit) {
             total += weight;
             normal += area;
         }
-        let step = (centre / total - here).reject_from(normal.normalize_or(DVec3::Z));
-        surface.project(here + 0.7 * step)
+        let step = centre / total - here;
+        if !mesh.on_seam(v) {
+            let step = step.reject_from(normal.normalize_or(DVec3::Z));
+            return surface.project(here + 0.7 * step);
+        }
+        // The mirror images of the triangles balance the other half.
+        let flat = |d: DVec3| DVec3::new(0.0, d.y, d.z);
+        let step = flat(step).reject_from(flat(normal).normalize_or(DVec3::Z));
+        flat(surface.project(here + 0.7 * step))
     });
     mesh.positions = moved;
 }

@@ -22,6 +22,14 @@ impl Motion {
     pub fn at(&self, x: DVec3) -> DVec3 {
         self.linear * x + self.offset
     }
+
+    /// The same with everything carried along.
+    pub fn carried(self, by: DVec3) -> Self {
+        Self {
+            offset: self.offset + by,
+            ..self
+        }
+    }
 }
 
 /// The motion of every bone; a child moves with its parent at their joint, and the root about the origin.

@@ -24,7 +24,7 @@ pub(super) fn parent(j: usize) -> Option<u32> {
 
 /// A finger or the thumb.
 #[derive(Clone, Debug)]
-pub(super) struct Digit {
+pub(in crate::sample) struct Digit {
     /// The three joints, proximal first, and the skin's tip.
     pub joints: [DVec3; 4],
     /// Where the metacarpal begins (of the thumb: its first joint).
@@ -82,7 +82,7 @@ const FINGERS: [Finger; 4] = [
 ];
 
 /// Index, middle, pinky, ring, thumb: MANO's order.
-pub(super) fn digits() -> [Digit; 5] {
+pub(in crate::sample) fn digits() -> [Digit; 5] {
     let finger = |f: &Finger| {
         let plan = f.spread.to_radians();
         let mut joints = [DVec3::from_array(f.mcp); 4];

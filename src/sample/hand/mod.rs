@@ -22,6 +22,9 @@ mod shape_directions;
 mod skin;
 mod weights;
 
+pub(super) use anatomy::digits;
+pub(super) use shape::HandShape;
+
 use crate::Result;
 use crate::model::{ParametricModel, SkinWeight, Surface};
 use crate::sample::pose_columns::pose_columns;

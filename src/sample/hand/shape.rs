@@ -14,7 +14,7 @@ const RELIEF: f64 = 4.0;
 
 /// The implicit hand.
 #[derive(Clone, Debug)]
-pub(super) struct HandShape {
+pub(in crate::sample) struct HandShape {
     wrist: Sweep,
     metacarpals: Vec<Sweep>,
     bulges: Vec<(Ellipsoid, f64)>,
