@@ -2,13 +2,15 @@
 
 use super::{make_folder, print};
 use crate::export::{write_obj, write_painted, write_smpl, write_tet_mesh};
-use crate::load::{AvatarSource, PALM, Sample, TetMeshFile, palm_map};
-use crate::sample::{Limb, hand};
+use crate::load::{AvatarSource, PALM, SOFT, Sample, TetMeshFile, map_of};
+use crate::sample::{Limb, body, hand};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Model {
+    /// An SMPL archive, a map of its soft parts and a recipe.
+    Body,
     /// An SMPL archive, bone surfaces and a recipe.
     Hand,
     /// A skin and a recipe.
@@ -33,12 +35,23 @@ impl Arguments {
         let folder = &self.output;
         make_folder(folder)?;
         let source = match self.model {
+            Model::Body => {
+                let body = body()?;
+                write_smpl(&body.model, folder.join("body.npz"))?;
+                write_painted(&map_of(&body.soft), folder.join("body_soft.npy"))?;
+                AvatarSource {
+                    model: Some("body.npz".into()),
+                    painted: [(SOFT.to_string(), "body_soft.npy".into())].into(),
+                    bake: Some(Sample::Body.body()?.1),
+                    ..AvatarSource::default()
+                }
+            }
             Model::Hand => {
                 let hand = hand()?;
                 write_smpl(&hand.model, folder.join("hand.npz"))?;
                 let names = hand.model.names.iter().map(String::as_str);
                 write_obj(names.zip(&hand.bones), folder.join("hand_bones.obj"))?;
-                write_painted(&palm_map(&hand.palmar), folder.join("hand_palm.npy"))?;
+                write_painted(&map_of(&hand.palmar), folder.join("hand_palm.npy"))?;
                 AvatarSource {
                     model: Some("hand.npz".into()),
                     bones: Some("hand_bones.obj".into()),

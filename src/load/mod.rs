@@ -21,7 +21,7 @@ mod weld;
 pub use avatar_source::{
     AvatarSource, Sample, SourceBody, avatar_source_of, read_avatar_source, read_recipe_for,
 };
-pub(crate) use avatar_source::{PALM, palm_map};
+pub(crate) use avatar_source::{PALM, SOFT, map_of};
 pub use character::{CharacterFile, CharacterFormat, FileKind, read_character};
 pub use gltf::{parse_gltf, read_gltf};
 pub use obj::{parse_obj, read_closed_obj, read_obj};

@@ -3,7 +3,7 @@
 mod samples;
 
 pub use samples::Sample;
-pub(crate) use samples::{PALM, palm_map};
+pub(crate) use samples::{PALM, SOFT, map_of};
 
 use super::character::{FileKind, read_character};
 use super::painted::read_painted;

@@ -1,16 +1,18 @@
 //! The bodies that the crate makes itself, each with its own recipe.
 
 use crate::Result;
-use crate::bake::{CubatureRecipe, HandleRegion, Recipe};
+use crate::bake::{CubatureRecipe, HandleRegion, Mesher, Recipe, mesh::ShellOptions};
 use crate::material::{Material, StableNeoHookean};
 use crate::model::Body;
-use crate::sample::{Finger, Limb, hand};
+use crate::sample::{Finger, Limb, body, hand};
 use serde::{Deserialize, Serialize};
 
 /// Bodies that the crate makes itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sample {
+    /// A body of 24 bones.
+    Body,
     /// A hand of 16 bones.
     Hand,
     /// A finger of three bones.
@@ -28,10 +30,16 @@ impl Sample {
             Self::LimbS => Ok((Limb::S.body()?, limb_recipe())),
             Self::LimbM => Ok((Limb::M.body()?, limb_recipe())),
             Self::Finger => Ok((Finger::default().body()?, handles(40))),
+            Self::Body => {
+                let sample = body()?;
+                let mut body = Body::of_model("body", &sample.model, &[], Vec::new());
+                body.painted.insert(SOFT.into(), map_of(&sample.soft));
+                Ok((body, body_recipe()))
+            }
             Self::Hand => {
                 let hand = hand()?;
                 let mut body = Body::of_model("hand", &hand.model, &[], hand.bones);
-                body.painted.insert(PALM.into(), palm_map(&hand.palmar));
+                body.painted.insert(PALM.into(), map_of(&hand.palmar));
                 Ok((body, hand_recipe()))
             }
         }
@@ -41,9 +49,33 @@ impl Sample {
 /// Name of the map painted on the hand: where its handles stand.
 pub(crate) const PALM: &str = "palm";
 
-/// 1 on palm and finger pads, 0 elsewhere.
-pub(crate) fn palm_map(palmar: &[bool]) -> Vec<f64> {
-    palmar.iter().map(|p| f64::from(u8::from(*p))).collect()
+/// The same of the body.
+pub(crate) const SOFT: &str = "soft";
+
+/// A map that is 1 where `chosen` and 0 elsewhere.
+pub(crate) fn map_of(chosen: &[bool]) -> Vec<f64> {
+    chosen.iter().map(|c| f64::from(u8::from(*c))).collect()
+}
+
+/// The paper's body: 82 handles over the soft parts, 500 cubature points in one layer of prisms.
+fn body_recipe() -> Recipe {
+    Recipe {
+        mesher: Mesher::PrismShell(ShellOptions {
+            layers: Some(1),
+            ..ShellOptions::default()
+        }),
+        handles: vec![HandleRegion {
+            count: Some(82),
+            painted: Some(SOFT.into()),
+            soft: 1.0,
+            ..HandleRegion::default()
+        }],
+        cubature: CubatureRecipe {
+            points: Some(500),
+            ..CubatureRecipe::default()
+        },
+        ..Recipe::default()
+    }
 }
 
 /// The paper's hand: 87 handles over palm and finger pads, 700 cubature points.

@@ -60,9 +60,9 @@ fn closeness(j: usize, position: glam::DVec3, row: &[SkinWeight]) -> f64 {
 /// [`crate::Error::Solve`] where a fit fails and [`crate::Error::Invalid`] where the skin cannot be
 /// remeshed to its count; neither happens with the built-in dimensions.
 pub fn hand() -> Result<SampleHand> {
-    let digits = anatomy::digits();
+    let digits = digits();
     let joints = anatomy::joints(&digits);
-    let shape = shape::HandShape::new(&digits);
+    let shape = HandShape::new(&digits);
     let skin = skin::skin(&shape)?;
     let weights = weights::weights(&shape, &digits, &skin)?;
     let (directions, joint_motions) =
@@ -110,9 +110,9 @@ mod tests {
 
     #[test]
     fn regressed_joints_follow_every_shape_direction() {
-        let digits = anatomy::digits();
+        let digits = digits();
         let joints = anatomy::joints(&digits);
-        let shape = shape::HandShape::new(&digits);
+        let shape = HandShape::new(&digits);
         let skin = skin::skin(&shape).unwrap();
         let weights = weights::weights(&shape, &digits, &skin).unwrap();
         let (directions, motions) =
