@@ -67,7 +67,7 @@ fn body_recipe() -> Recipe {
         handles: vec![HandleRegion {
             count: Some(82),
             painted: Some(SOFT.into()),
-            soft: 1.0,
+            soft: 0.5,
             ..HandleRegion::default()
         }],
         cubature: CubatureRecipe {
