@@ -23,7 +23,7 @@ pub use avatar_source::{
 };
 pub(crate) use avatar_source::{PALM, SOFT, map_of};
 pub use character::{CharacterFile, CharacterFormat, FileKind, read_character};
-pub use gltf::{parse_gltf, read_gltf};
+pub use gltf::{parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
 pub use smpl::{HandPose, SmplKind, SmplModel, parse_smpl, read_smpl, read_smpl_model};

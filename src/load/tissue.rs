@@ -110,7 +110,9 @@ fn connected_parts(skin: &Surface, skinning: &Rows<SkinWeight>) -> (Vec<Option<u
     for &[a, b, c] in &skin.triangles {
         sets.union(a, b);
         sets.union(b, c);
-        [a, b, c].map(|v| used[v as usize] = true);
+        for v in [a, b, c] {
+            used[v as usize] = true;
+        }
     }
     let mut part_of = vec![None; used.len()];
     let mut parts: Vec<Part> = Vec::new();

@@ -1,6 +1,7 @@
 //! glTF's skinning, Σ w · world_j · inverseBind_j · v, by the `gltf` crate: shares no code with the loader.
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DQuat, DVec3};
+use gltf::animation::util::ReadOutputs;
 use supple::model::{Body, Frame};
 
 /// A file's document and buffers.
@@ -48,13 +49,7 @@ impl Evaluation {
                     out.push(positions.map(place).collect());
                     continue;
                 };
-                let bind = skin.reader(|b| self.buffers.get(b.index()).map(|b| &b[..]));
-                let bind: Vec<DMat4> = match bind.read_inverse_bind_matrices() {
-                    Some(all) => all
-                        .map(|m| glam::Mat4::from_cols_array_2d(&m).as_dmat4())
-                        .collect(),
-                    None => vec![DMat4::IDENTITY; skin.joints().count()],
-                };
+                let bind = self.bind_matrices(&skin);
                 let joints: Vec<usize> = skin.joints().map(|j| j.index()).collect();
                 let sets: Vec<(Vec<[u16; 4]>, Vec<[f32; 4]>)> = (0..)
                     .map_while(|set| {
@@ -80,6 +75,95 @@ impl Evaluation {
             }
         }
         out
+    }
+
+    /// The vertices of each primitive that a node shows, as they stand in the file.
+    pub fn unskinned(&self) -> Vec<Vec<DVec3>> {
+        let meshes = self.document.nodes().filter_map(|n| n.mesh());
+        let primitives = meshes.flat_map(|m| m.primitives());
+        let positions = |p: gltf::Primitive<'_>| {
+            let reader = p.reader(|b| self.buffers.get(b.index()).map(|b| &b[..]));
+            reader.read_positions().unwrap().map(double).collect()
+        };
+        primitives.map(positions).collect()
+    }
+
+    /// The inverse bind matrices of a skin.
+    pub fn bind_matrices(&self, skin: &gltf::Skin<'_>) -> Vec<DMat4> {
+        let reader = skin.reader(|b| self.buffers.get(b.index()).map(|b| &b[..]));
+        match reader.read_inverse_bind_matrices() {
+            Some(all) => {
+                let double = |m| glam::Mat4::from_cols_array_2d(&m).as_dmat4();
+                all.map(double).collect()
+            }
+            None => vec![DMat4::IDENTITY; skin.joints().count()],
+        }
+    }
+
+    /// The first key of animation `k`, s.
+    pub fn first_key(&self, k: usize) -> f64 {
+        let animation = self.document.animations().nth(k).unwrap();
+        let times = animation.channels().flat_map(|c| {
+            let reader = c.reader(|b| self.buffers.get(b.index()).map(|b| &b[..]));
+            reader.read_inputs().unwrap().collect::<Vec<_>>()
+        });
+        f64::from(times.fold(f32::INFINITY, f32::min))
+    }
+
+    /// World matrices of animation `k` at `time`: steps, lines and arcs only.
+    pub fn animated(&self, k: usize, time: f64) -> Vec<DMat4> {
+        let animation = self.document.animations().nth(k).unwrap();
+        self.world(&|node| {
+            let (t, r, s) = node.transform().decomposed();
+            let mut translation = double(t);
+            let mut rotation = DQuat::from_array(r.map(f64::from));
+            let mut scale = double(s);
+            for channel in animation
+                .channels()
+                .filter(|c| c.target().node().index() == node.index())
+            {
+                let reader = channel.reader(|b| self.buffers.get(b.index()).map(|b| &b[..]));
+                let keys: Vec<f64> = reader.read_inputs().unwrap().map(f64::from).collect();
+                let after = keys.iter().filter(|key| **key <= time).count();
+                let a = after.saturating_sub(1);
+                let b = after.min(keys.len() - 1);
+                let length = keys[b] - keys[a];
+                let mut u = if length > 0.0 {
+                    (time - keys[a]) / length
+                } else {
+                    0.0
+                };
+                if channel.sampler().interpolation() == gltf::animation::Interpolation::Step {
+                    u = 0.0;
+                }
+                match reader.read_outputs().unwrap() {
+                    ReadOutputs::Translations(all) => {
+                        let all: Vec<_> = all.map(double).collect();
+                        translation = all[a].lerp(all[b], u);
+                    }
+                    ReadOutputs::Scales(all) => {
+                        let all: Vec<_> = all.map(double).collect();
+                        scale = all[a].lerp(all[b], u);
+                    }
+                    ReadOutputs::Rotations(all) => {
+                        let all: Vec<_> = all
+                            .into_f32()
+                            .map(|q| DQuat::from_array(q.map(f64::from)).normalize())
+                            .collect();
+                        // The shorter arc from a to b as a turn about an axis.
+                        let end = if all[a].dot(all[b]) < 0.0 {
+                            -all[b]
+                        } else {
+                            all[b]
+                        };
+                        let turn = (end * all[a].inverse()).to_scaled_axis();
+                        rotation = DQuat::from_scaled_axis(u * turn) * all[a];
+                    }
+                    ReadOutputs::MorphTargetWeights(_) => {}
+                }
+            }
+            DMat4::from_scale_rotation_translation(scale, rotation.normalize(), translation)
+        })
     }
 }
 

@@ -1,39 +1,81 @@
 //! From the parts that a scene shows to one welded body.
 
+use super::animation::motions;
 use super::character::{Character, Shape, Whole};
 use super::container::File;
 use super::nodes::Nodes;
 use super::primitive::{Part, read_parts};
 use super::rig::{ReferencePart, Rig};
+use super::vrm::Vrm;
 use crate::Result;
 use crate::load::weld::{CUT_WEIGHTS, DRAWN_WEIGHTS, Vertices};
-use crate::model::{Body, DrawnPart, LayerMesh, PoseBlend, SkinWeight, Surface};
+use crate::model::{Body, DrawnPart, LayerMesh, MotionClip, PoseBlend, SkinWeight, Surface};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// The character of a file.
-pub(super) fn character(file: &File) -> Result<Character> {
-    let nodes = Nodes::read(file)?;
-    let (parts, skipped) = read_parts(file, &nodes)?;
-    let rig = Rig::new(file, &nodes, &parts)?;
-    let mut soup = Soup::default();
-    for part in &parts {
-        match rig.place(&nodes, part) {
-            Some(placed) => soup.add(part, placed),
-            None => soup.boneless.push(part.name.clone()),
+/// What a file's scene shows, and the bones that move it.
+pub(super) struct Scene<'a> {
+    file: &'a File,
+    nodes: Nodes,
+    parts: Vec<Part>,
+    /// Primitives without triangles.
+    skipped: usize,
+    rig: Rig,
+}
+
+impl<'a> Scene<'a> {
+    pub fn new(file: &'a File) -> Result<Self> {
+        let nodes = Nodes::read(file)?;
+        let (parts, skipped) = read_parts(file, &nodes)?;
+        let rig = Rig::new(file, &nodes, &parts)?;
+        Ok(Self {
+            file,
+            nodes,
+            parts,
+            skipped,
+            rig,
+        })
+    }
+
+    pub fn character(&self) -> Result<Character> {
+        let mut soup = Soup::default();
+        for part in &self.parts {
+            match self.rig.place(&self.nodes, part) {
+                Some(placed) => soup.add(part, placed),
+                None => soup.boneless.push(part.name.clone()),
+            }
         }
+        let broken = |problem: String| self.file.broken("meshes", problem);
+        if soup.drawn.is_empty() {
+            return Err(broken(
+                "the scene shows no triangles that bones move".into(),
+            ));
+        }
+        let mut notes = soup.notes(&self.parts, self.skipped);
+        let stem = self.file.path.file_stem().unwrap_or_default();
+        let mut whole = soup.weld(&stem.to_string_lossy(), &self.rig);
+        let positions = &whole.body.skin.positions;
+        if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
+            return Err(broken(format!("skin vertex {v} is not finite")));
+        }
+        let vrm = Vrm::read(self.file, &self.nodes, &self.rig);
+        if vrm.ignored > 0 {
+            let text = "entries of the VRM extensions name no bone and were left out";
+            notes.push(format!("{} {text}", vrm.ignored));
+        }
+        whole.body.skeleton.aliases = vrm.humanoid;
+        Ok(Character {
+            whole,
+            rest: self.rig.rest.clone(),
+            colliders: vrm.colliders,
+            faces: if vrm.is_0 { DVec3::NEG_Z } else { DVec3::Z },
+            notes,
+        })
     }
-    let notes = soup.notes(&parts, skipped);
-    if soup.drawn.is_empty() {
-        return Err(file.broken("meshes", "the scene shows no triangles that bones move"));
+
+    pub fn motions(&self) -> Result<Vec<MotionClip>> {
+        motions(self.file, &self.nodes, &self.rig)
     }
-    let stem = file.path.file_stem().unwrap_or_default();
-    let whole = soup.weld(&stem.to_string_lossy(), &rig);
-    let positions = &whole.body.skin.positions;
-    if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
-        return Err(file.broken("meshes", format!("skin vertex {v} is not finite")));
-    }
-    Ok(Character::new(whole, rig.rest, notes))
 }
 
 /// All parts' vertices in one list, not yet welded.

@@ -1,5 +1,6 @@
 //! A character as its file tells it: a body, its shapes, and what else is there.
 
+use super::BoneCollider;
 use crate::load::separate_tissue;
 use crate::model::{Attachment, Body, Frame, PoseBlend, SkinWeight, Surface};
 use crate::{Error, Result};
@@ -29,18 +30,18 @@ pub(super) struct Whole {
 /// What a character file holds. Made by [`super::read_gltf()`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Character {
-    whole: Whole,
+    pub(super) whole: Whole,
     /// Bones in the file's rest pose: rotation from the reference shape, joint place.
     pub rest: Vec<Frame>,
+    /// Spheres and capsules fixed to bones (VRM's collider groups).
+    pub colliders: Vec<BoneCollider>,
+    /// Where it looks: along z, but characters of VRM 0.x along −z.
+    pub faces: DVec3,
     /// What was decided about the file and a person may want to know, a sentence each.
     pub notes: Vec<String>,
 }
 
 impl Character {
-    pub(super) fn new(whole: Whole, rest: Vec<Frame>, notes: Vec<String>) -> Self {
-        Self { whole, rest, notes }
-    }
-
     /// Directions in which the shape varies. Joints stay put.
     pub fn shapes(&self) -> &[Shape] {
         &self.whole.shapes

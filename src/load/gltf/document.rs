@@ -1,6 +1,5 @@
 //! The JSON of a glTF 2.0 file: what this crate reads of it (glTF 2.0 specification, chapter 5).
 
-use super::vrm::{Vrm0, Vrm1};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -47,10 +46,9 @@ pub(super) struct Asset {
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Extensions {
     #[serde(rename = "VRM")]
-    pub vrm_0: Option<Vrm0>,
+    pub vrm_0: Option<Value>,
     #[serde(rename = "VRMC_vrm")]
-    pub vrm_1: Option<Vrm1>,
-    /// Of VRM 1.0: read on its own, since a spoiled one costs the colliders only.
+    pub vrm_1: Option<Value>,
     #[serde(rename = "VRMC_springBone")]
     pub spring_bones: Option<Value>,
 }

@@ -4,6 +4,7 @@
 //! a file is trusted: every count, offset and index is checked before it is used.
 
 mod accessor;
+mod animation;
 mod assemble;
 mod character;
 mod container;
@@ -11,12 +12,16 @@ mod document;
 mod nodes;
 mod primitive;
 mod rig;
+mod sampler;
 mod vrm;
 mod webxr;
 
 pub use character::{Character, Shape};
+pub use vrm::BoneCollider;
 
 use crate::Result;
+use crate::model::MotionClip;
+use assemble::Scene;
 use container::File;
 use std::path::Path;
 
@@ -27,7 +32,7 @@ use std::path::Path;
 /// fault, where it is broken, requires an extension that is not read (mesh compression), or holds bones
 /// that are sheared or scaled differently along their axes.
 pub fn read_gltf(path: impl AsRef<Path>) -> Result<Character> {
-    assemble::character(&File::read(path.as_ref())?)
+    Scene::new(&File::read(path.as_ref())?)?.character()
 }
 
 /// [`read_gltf`] of a file's `bytes`; buffers outside of it lie relative to `path`, which also names it in
@@ -36,5 +41,23 @@ pub fn read_gltf(path: impl AsRef<Path>) -> Result<Character> {
 /// # Errors
 /// As [`read_gltf`].
 pub fn parse_gltf(bytes: &[u8], path: impl AsRef<Path>) -> Result<Character> {
-    assemble::character(&File::parse(bytes, path.as_ref())?)
+    Scene::new(&File::parse(bytes, path.as_ref())?)?.character()
+}
+
+/// Reads the animations in the glTF or VRM file at `path` as motions of its bones away from the
+/// reference shape; animations that move no bone are left out.
+///
+/// # Errors
+/// As [`read_gltf`], and [`crate::Error::Format`] naming animation, bone and time where a bone's scale
+/// changes or a bone is sheared.
+pub fn read_gltf_motions(path: impl AsRef<Path>) -> Result<Vec<MotionClip>> {
+    Scene::new(&File::read(path.as_ref())?)?.motions()
+}
+
+/// [`read_gltf_motions`] of a file's `bytes`.
+///
+/// # Errors
+/// As [`read_gltf_motions`].
+pub fn parse_gltf_motions(bytes: &[u8], path: impl AsRef<Path>) -> Result<Vec<MotionClip>> {
+    Scene::new(&File::parse(bytes, path.as_ref())?)?.motions()
 }

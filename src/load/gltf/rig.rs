@@ -14,7 +14,7 @@
 //! pose differ by rotations of bones alone, as they should, so is every other pose, and X = G v.
 
 use super::container::File;
-use super::nodes::{Nodes, same_scale, similarity};
+use super::nodes::{Nodes, similarity};
 use super::primitive::Part;
 use super::webxr;
 use crate::Result;
