@@ -1,5 +1,5 @@
 //! A whole step of the sample hand, pressed on its cylinder: the f64 evaluation, and a GPU (a software
-//! adapter where there is no other), at 700 and 2,000 cubature points.
+//! adapter where there is no other), at 700 and 2,000 cubature points; and its full space.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::sync::Arc;
@@ -10,24 +10,23 @@ use supple::load::read_scene;
 use supple::model::Avatar;
 use supple::potential::Potential;
 use supple::reference::Reference;
-use supple::sim::Simulation;
+use supple::sim::{Simulation, full_space};
 use supple::stage::{GpuOptions, GpuPotential};
 
-/// Runs the demo scene in a quarter of its steps until the hand is fully pressed, then times steps there.
+/// Runs the demo scene in `hurry` times fewer steps until the hand is fully pressed, then times steps there.
 fn pressed(
     criterion: &mut Criterion,
     name: &str,
     avatar: &Avatar,
-    potential: impl Potential,
+    mut simulation: Simulation<impl Potential>,
+    hurry: f64,
 ) -> supple::Result<()> {
-    const HURRY: f64 = 4.0;
     let scene = read_scene("assets/scenes/hand_press.toml")?;
-    let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
     let driver = Driver::new(&scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
     let mut contacts = 0;
-    for step in 1..=scene.step_at(scene.measure.full_press / HURRY) {
-        let time = HURRY * step as f64 * scene.settings.time_step;
+    for step in 1..=scene.step_at(scene.measure.full_press / hurry) {
+        let time = hurry * step as f64 * scene.settings.time_step;
         driver.drive(time, &mut simulation.instances_mut()[0]);
         contacts = simulation.step_blocking()?.instances[0].contacts;
     }
@@ -46,13 +45,9 @@ fn bench(criterion: &mut Criterion) {
         recipe.cubature.points = Some(points);
         let avatar = Arc::new(bake(&body, &recipe, &mut |_| {}).expect("a bake").0);
         let cpu = Reference::new(avatar.clone(), 1, 2048).expect("the f64 evaluation");
-        pressed(
-            criterion,
-            &format!("step/cpu/{points} points"),
-            &avatar,
-            cpu,
-        )
-        .expect("a press");
+        let cpu = Simulation::new(&avatar, cpu, scene.settings).expect("a simulation");
+        let name = format!("step/cpu/{points} points");
+        pressed(criterion, &name, &avatar, cpu, 4.0).expect("a press");
         let kernels = GpuPotential::new(
             &gpu.device,
             &gpu.queue,
@@ -62,13 +57,18 @@ fn bench(criterion: &mut Criterion) {
         )
         .expect("kernels");
         let name = format!("step/{}/{points} points", gpu.adapter.name);
-        pressed(criterion, &name, &avatar, kernels).expect("a press");
+        let kernels = Simulation::new(&avatar, kernels, scene.settings).expect("a simulation");
+        pressed(criterion, &name, &avatar, kernels, 4.0).expect("a press");
     }
+    // Seconds a step: fewer of them, and a hastier press.
+    let avatar = bake(&body, &recipe, &mut |_| {}).expect("a bake").0;
+    let (full, simulation) = full_space(&avatar, 1, 2048, scene.settings).expect("the full space");
+    pressed(criterion, "step/cpu/full space", &full, simulation, 20.0).expect("a press");
 }
 
 criterion_group! {
     name = benches;
-    config = Criterion::default().sample_size(20);
+    config = Criterion::default().sample_size(10);
     targets = bench
 }
 criterion_main!(benches);

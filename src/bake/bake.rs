@@ -99,18 +99,14 @@ pub fn bake(
         return Err(Error::Solve { system, problem });
     }
     let (basis, truncation_cost) = recipe.truncation.rows(&columns, &tissue.nodal_volumes());
-    let support = recipe.truncation.support(&columns);
     drop(columns);
 
     clock.start(3);
     let cubature = if recipe.cubature.all_tets {
         Cubature::all_tets(tissue)
     } else {
-        let moving: Vec<bool> = (mesh.tets.iter())
-            .map(|tet| tet.iter().any(|&n| support[n as usize]))
-            .collect();
         let count = recipe.points_for(handles.positions.len());
-        Cubature::sampled(tissue, count, &moving)?
+        Cubature::sampled(tissue, count, &basis)?
     };
 
     clock.start(4);

@@ -1,7 +1,7 @@
 //! Offline: mesh → basis → cubature → one baked avatar.
 //!
 //! The phases, each a file: skin weights inside the layer (`interior`), handles (`handles`) and their
-//! biharmonic basis (`biharmonic_energy`, `biharmonic`, `truncation`), cubature (`cubature`), values at the points
+//! biharmonic basis (`biharmonic_energy`, `biharmonic`, `truncation`), cubature (`cubature`, `cubature_weights`), values at the points
 //! (`points`), bone masses (`bone_mass`). [`bake`] strings them together by a [`Recipe`], and `file`
 //! keeps the result.
 
@@ -14,6 +14,7 @@ mod biharmonic_energy;
 mod bone_mass;
 mod core_volume;
 mod cubature;
+mod cubature_weights;
 mod file;
 mod full_space;
 mod handle_candidates;

@@ -42,14 +42,6 @@ impl Truncation {
         u * t * t * (3.0 - 2.0 * t)
     }
 
-    /// The nodes where at least one of `columns` is not below [`Truncation::below`]: what the handles move,
-    /// whether truncation is on or off.
-    pub fn support(&self, columns: &[Vec<f64>]) -> Vec<bool> {
-        let nodes = columns.first().map_or(0, Vec::len);
-        let moved = |node: usize| columns.iter().any(|c| c[node].abs() >= self.below);
-        (0..nodes).map(moved).collect()
-    }
-
     /// Truncates `columns` (one a handle, one value a node) into rows (one a node, handles rising),
     /// and measures the cost: the relative change √(Σ m (u' − u)² / Σ m u²), m the nodal measure.
     pub fn rows(&self, columns: &[Vec<f64>], measure: &[f64]) -> (Rows<(u32, f64)>, f64) {

@@ -57,16 +57,15 @@ fn cubature(c: &CubatureReport) -> String {
         return format!("{} points: every tet", c.points);
     }
     let off = (c.weight_sum / c.volume - 1.0).abs();
-    let dropped = match c.negative_weights {
-        0 => "no weight was negative".into(),
-        n => format!("{n} of negative weight dropped, the others rescaled to the same moments"),
+    let negative = match (c.negative_weights, c.cells) {
+        (0, false) => "no weight was negative".into(),
+        (n, false) => format!("{n} negative, each replaced by its cell's volume"),
+        (n, true) => format!("{n} negative, all replaced by their cells' volumes"),
     };
-    let again = match c.samples {
-        0 | 1 => String::new(),
-        n => format!(", {n} samples drawn"),
-    };
+    let [before, after] = c.stiffness_error.map(|e| 100.0 * e);
     format!(
-        "{} points; weights sum to the tissue's volume within {off:.0e}; {dropped}{again}",
+        "{} points; weights sum to the tissue's volume within {off:.0e}; {negative}; handles' stiffness within \
+         {after:.1} % ({before:.0} % before the weights were corrected for it)",
         c.points
     )
 }
