@@ -4,6 +4,7 @@ use std::sync::Arc;
 use supple::bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake};
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
+use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame};
 use supple::potential::Potential;
 use supple::reference::{Reference, min_det_f};
@@ -87,6 +88,10 @@ pub fn relative_error(a: &Pressed, b: &Pressed) -> f64 {
 pub fn reduced(place: HandlePlace, count: usize, truncation: Truncation) -> Avatar {
     let around_contact = [[0.04, -0.045, -0.005], [0.16, 0.045, 0.045]];
     let recipe = Recipe {
+        material: Some(Material::StableNeoHookean(StableNeoHookean {
+            youngs_modulus: 30e3,
+            poissons_ratio: 0.4,
+        })),
         handles: vec![HandleRegion {
             place,
             count: Some(count),
