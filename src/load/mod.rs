@@ -27,5 +27,8 @@ pub use gltf::{parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};
 pub use smpl::{HandPose, SmplKind, SmplModel, parse_smpl, read_smpl, read_smpl_model};
-pub use tet_mesh::{TetMeshFile, parse_tet_mesh, read_tet_mesh};
+pub use tet_mesh::{
+    BONE, SKIN, TetFile, TetLayer, TetMeshFile, parse_tet_mesh, parse_tetgen, parse_tets,
+    read_tet_mesh, read_tets,
+};
 pub use tissue::separate_tissue;

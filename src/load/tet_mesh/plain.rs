@@ -4,14 +4,12 @@
 //! `a b c d` for each tet; one line with the indices of the pinned nodes and one with those of the
 //! surface nodes. Indices start at 0.
 
-use super::file::read_text;
+use super::checks::{check_topology, is_place, orient, used_nodes};
+use crate::load::file::read_text;
 use crate::model::TetMesh;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::path::Path;
-
-/// A tet counts as flat below this volume relative to its longest edge cubed (a regular one has 0.118).
-const FLAT: f64 = 1e-9;
 
 /// What such a file holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,14 +52,13 @@ pub fn parse_tet_mesh(text: &str, path: &Path) -> Result<TetMeshFile> {
     };
     for _ in 0..nodes {
         let node = DVec3::from_array(lines.values::<f64, 3>("a node's x, y, z")?);
-        // The square of a length must stay finite too.
-        if !node.is_finite() || node.abs().max_element() > 1e100 {
+        if !is_place(node) {
             return Err(lines.fault("is no place in metres: mend the coordinates"));
         }
         mesh.nodes.push(node);
     }
     let first_tet_line = lines.number + 1;
-    for _ in 0..tets {
+    for t in 0..tets {
         let tet = lines.values::<u32, 4>("a tet's four nodes")?;
         mesh.tets.push(tet);
         let repeated = (1..4).any(|i| tet[..i].contains(&tet[i]));
@@ -70,7 +67,7 @@ pub fn parse_tet_mesh(text: &str, path: &Path) -> Result<TetMeshFile> {
                 "needs four different nodes below {nodes}: correct the indices (they start at 0)"
             )));
         }
-        orient(&mut mesh).map_err(|problem| lines.fault(problem))?;
+        orient(&mut mesh, t).map_err(|problem| lines.fault(problem))?;
     }
     let pinned = lines.indices(pinned, nodes, "pinned")?;
     let surface = lines.indices(surface, nodes, "surface")?;
@@ -78,67 +75,17 @@ pub fn parse_tet_mesh(text: &str, path: &Path) -> Result<TetMeshFile> {
         return Err(extra);
     }
     check_topology(&mesh).map_err(|(tet, problem)| {
-        let line = tet.map_or("tets".into(), |t| format!("line {}", first_tet_line + t));
-        Error::format(path, line, problem)
+        Error::format(path, format!("line {}", first_tet_line + tet), problem)
     })?;
+    if let Some(n) = used_nodes(&mesh).iter().position(|used| !used) {
+        let problem = format!("node {n} is in no tet: remove it");
+        return Err(Error::format(path, "tets", problem));
+    }
     Ok(TetMeshFile {
         mesh,
         pinned,
         surface,
     })
-}
-
-/// Turns the last tet of `mesh` to positive volume.
-fn orient(mesh: &mut TetMesh) -> Result<(), &'static str> {
-    let last = mesh.tets.len() - 1;
-    let [a, b, c, d] = mesh.corners(last);
-    let longest = [b - a, c - a, d - a, c - b, d - b, d - c]
-        .iter()
-        .fold(0.0, |longest: f64, edge| longest.max(edge.length()));
-    // Scaled first, so that a huge or tiny mesh does not overflow or vanish.
-    let volume = ((b - a) / longest)
-        .cross((c - a) / longest)
-        .dot((d - a) / longest)
-        / 6.0;
-    if volume.is_nan() || volume.abs() <= FLAT {
-        return Err("is flat: remove the tet or move its nodes apart");
-    }
-    if volume < 0.0 {
-        mesh.tets[last].swap(2, 3);
-    }
-    Ok(())
-}
-
-/// Every face in two tets at most, no tet twice, every node in a tet.
-fn check_topology(mesh: &TetMesh) -> Result<(), (Option<usize>, String)> {
-    let mut used = vec![false; mesh.nodes.len()];
-    let mut faces = Vec::with_capacity(4 * mesh.tets.len());
-    for (t, tet) in mesh.tets.iter().enumerate() {
-        tet.iter().for_each(|&n| used[n as usize] = true);
-        faces.extend(mesh.faces(t).into_iter().map(|mut face| {
-            face.sort_unstable();
-            (face, t)
-        }));
-    }
-    faces.sort_unstable();
-    if let Some(crowd) = faces.chunk_by(|a, b| a.0 == b.0).find(|c| c.len() > 2) {
-        let problem = format!("is the third tet on face {:?}: remove one", crowd[2].0);
-        return Err((Some(crowd[2].1), problem));
-    }
-    let mut tets: Vec<([u32; 4], usize)> = Vec::with_capacity(mesh.tets.len());
-    tets.extend(mesh.tets.iter().enumerate().map(|(t, tet)| {
-        let mut tet = *tet;
-        tet.sort_unstable();
-        (tet, t)
-    }));
-    tets.sort_unstable();
-    if let Some(twins) = tets.windows(2).find(|w| w[0].0 == w[1].0) {
-        return Err((Some(twins[1].1), "repeats a tet: remove it".into()));
-    }
-    match used.iter().position(|used| !used) {
-        Some(n) => Err((None, format!("node {n} is in no tet: remove it"))),
-        None => Ok(()),
-    }
 }
 
 /// The file's lines with their numbers.
