@@ -22,12 +22,12 @@ fn pressed(
     hurry: f64,
 ) -> supple::Result<()> {
     let scene = read_scene("assets/scenes/hand_press.toml")?;
-    let driver = Driver::new(&scene, avatar)?;
+    let mut driver = Driver::new(&scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
     let mut contacts = 0;
     for step in 1..=scene.step_at(scene.measure.full_press / hurry) {
         let time = hurry * step as f64 * scene.settings.time_step;
-        driver.drive(time, &mut simulation.instances_mut()[0]);
+        driver.drive(time, &mut simulation.instances_mut()[0])?;
         contacts = simulation.step_blocking()?.instances[0].contacts;
     }
     assert!(contacts > 0, "the hand must be in contact");

@@ -5,6 +5,7 @@ mod avatar;
 mod bake;
 mod bake_report;
 mod inspect;
+mod motion;
 mod progress;
 mod sample;
 mod simulate;
@@ -31,6 +32,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Say what is in a baked file, or in a character file before it is baked.
     Inspect(inspect::Arguments),
+    /// Say what is in a motion, and draw an avatar that follows it.
+    Motion(motion::Arguments),
     /// List the graphics adapters of this machine.
     Adapters(adapters::Arguments),
     /// Write a sample model and its recipe.
@@ -43,6 +46,7 @@ pub fn main() -> ExitCode {
         Command::Bake(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
         Command::Inspect(arguments) => arguments.run(),
+        Command::Motion(arguments) => arguments.run(),
         Command::Adapters(arguments) => arguments.run(),
         Command::Sample(arguments) => arguments.run(),
     };

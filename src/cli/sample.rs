@@ -1,9 +1,9 @@
 //! `supple sample`.
 
 use super::{make_folder, print};
-use crate::export::{write_obj, write_painted, write_smpl, write_tet_mesh};
+use crate::export::{write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh};
 use crate::load::{AvatarSource, PALM, SOFT, Sample, TetMeshFile, map_of};
-use crate::sample::{Limb, body, hand};
+use crate::sample::{Limb, body, hand, walk};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,8 @@ enum Model {
     Finger,
     /// A tet mesh and a recipe.
     Limb,
+    /// A walk on SMPL's joint tree, as BVH.
+    Walk,
 }
 
 /// Arguments of `supple sample`.
@@ -35,6 +37,11 @@ impl Arguments {
         let folder = &self.output;
         make_folder(folder)?;
         let source = match self.model {
+            Model::Walk => {
+                write_bvh(&walk(), folder.join("walk.bvh"))?;
+                print(format_args!("written to {}", folder.display()));
+                return Ok(());
+            }
             Model::Body => {
                 let body = body()?;
                 write_smpl(&body.model, folder.join("body.npz"))?;

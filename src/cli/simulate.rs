@@ -4,6 +4,7 @@ use super::{avatar, make_folder, print, print_json, print_table, progress, to_js
 use crate::bake::full_space;
 use crate::export::{Breakdown, Report, SceneRun, picture_strip, run_scene, write_glb};
 use crate::gpu::{AdapterChoice, GpuDevice};
+use crate::load::motion::TrackedMotion;
 use crate::load::{Scene, read_scene};
 use crate::model::Avatar;
 use crate::potential::Potential;
@@ -48,6 +49,10 @@ pub struct Arguments {
     /// Where bakes are kept.
     #[arg(long, default_value = "out/cache")]
     cache: PathBuf,
+    /// Draw the bones to this motion in place of the scene's own: .bvh, .npz (AMASS), .glb, .jsonl, .js;
+    /// `-` reads poses as JSON lines from standard input.
+    #[arg(long, value_name = "FILE")]
+    motion: Option<PathBuf>,
     /// Only the report: no pictures, no GLB file.
     #[arg(long)]
     no_pictures: bool,
@@ -60,7 +65,14 @@ impl Arguments {
             let problem = "the full space is solved on the CPU; leave --backend gpu out";
             return Err(Error::invalid("--full-space", problem));
         }
-        let scene = read_scene(&self.scene)?;
+        let mut scene = read_scene(&self.scene)?;
+        if let Some(file) = &self.motion {
+            let file = file.clone();
+            scene.motion = Some(match scene.motion.take() {
+                Some(motion) => TrackedMotion { file, ..motion },
+                None => TrackedMotion::of_file(file),
+            });
+        }
         let mut avatar = avatar::load(&scene.avatar, &self.cache)?;
         avatar.material = scene.material.unwrap_or(avatar.material);
         avatar.damping_time = scene.damping_time.unwrap_or(avatar.damping_time);
@@ -70,6 +82,9 @@ impl Arguments {
         let avatar = Arc::new(avatar);
         let (mut run, backend) = self.simulate(&scene, &avatar)?;
         run.report.backend = backend;
+        if let Some(map) = &run.bone_map {
+            eprintln!("motion: {}", map.summary());
+        }
         let folder = self
             .output
             .clone()

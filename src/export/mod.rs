@@ -4,9 +4,11 @@
 //! panels, captions and a [`Legend`] on one sheet.
 
 mod bake_pictures;
+mod bvh;
 mod colour;
 mod glb;
 mod image;
+mod motion_strip;
 mod obj;
 mod painted;
 mod raster;
@@ -18,9 +20,11 @@ mod tet_mesh;
 mod text;
 
 pub use bake_pictures::{BakePicture, bake_pictures, write_bake_pictures};
+pub use bvh::{bvh_text, write_bvh};
 pub use colour::{Colour, category_colour, colour_map, from_srgb};
 pub use glb::{GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, write_glb};
 pub use image::Image;
+pub use motion_strip::{Figure, motion_strip};
 pub use obj::write_obj;
 pub use painted::write_painted;
 pub use raster::{Camera, Mesh, Plane, Projection, View, render};

@@ -56,6 +56,7 @@ pub struct ClipPlayer {
     clip: MotionClip,
     retarget: Retarget,
     skeleton: Skeleton,
+    origin: Origin,
     start: f64,
     speed: f64,
     /// Time of the clip that one round takes, and that it fades into the next one in; s.
@@ -66,16 +67,11 @@ pub struct ClipPlayer {
 }
 
 impl ClipPlayer {
-    /// Prepares `clip` for `skeleton`, which stands at `standing` when it begins.
+    /// Prepares `clip` for `skeleton`; [`ClipPlayer::stand_at`] says where it takes place.
     ///
     /// # Errors
     /// [`Error::Invalid`] of the clip, the options, or bones that cannot be mapped.
-    pub fn new(
-        clip: MotionClip,
-        skeleton: &Skeleton,
-        standing: &[Frame],
-        options: &ClipOptions,
-    ) -> Result<Self> {
+    pub fn new(clip: MotionClip, skeleton: &Skeleton, options: &ClipOptions) -> Result<Self> {
         clip.validate()?;
         let duration = clip.duration();
         if !(0.0..=duration).contains(&options.start) {
@@ -88,7 +84,7 @@ impl ClipPlayer {
         let source = SourceSkeleton {
             names: clip.bones.clone(),
             rest_joints: rest_joints(&clip, skeleton),
-            rest_up: clip.rest_up,
+            rest_up: Some(clip.rest_up),
             world_up: Some(clip.world_up),
         };
         let mut retarget = Retarget::new(&source, skeleton, &options.retarget)?;
@@ -102,6 +98,7 @@ impl ClipPlayer {
         let mut player = Self {
             retarget,
             skeleton: skeleton.clone(),
+            origin: options.origin,
             start: options.start,
             speed: options.speed,
             round: None,
@@ -112,10 +109,15 @@ impl ClipPlayer {
         if options.repeat {
             player.close_the_round(duration);
         }
-        if options.origin == Origin::Avatar {
-            player.place = player.place_at(standing);
-        }
         Ok(player)
+    }
+
+    /// Says where the avatar stands when it begins; nothing else than the motion's own world if its origin
+    /// is that.
+    pub fn stand_at(&mut self, standing: &[Frame]) {
+        if self.origin == Origin::Avatar {
+            self.place = self.place_at(standing);
+        }
     }
 
     /// How it is brought to the avatar.

@@ -5,6 +5,7 @@ mod bone_map;
 mod clip_player;
 mod fit;
 mod ground;
+mod mirror;
 mod names;
 mod pose;
 mod pose_player;
@@ -13,6 +14,7 @@ pub(crate) mod smpl;
 
 pub use bone_map::{BoneMap, MapOptions};
 pub use clip_player::{ClipOptions, ClipPlayer, Origin, blend};
+pub use mirror::{mirrored_clip, mirrored_header, mirrored_poses};
 pub use names::{BodyPart, Finger, Part, Side, body_parts};
 pub use pose::{BonePose, BonePoses, PoseHeader};
 pub use pose_player::{NextPose, PoseOptions, PosePlayer};

@@ -1,13 +1,26 @@
 //! What a bone is, told by its name: SMPL's, CMU's, Mixamo's, Unreal's, VRM's, 3ds Max's, Poser's and
 //! WebXR's conventions.
 
+use serde::{Deserialize, Serialize};
+
 /// Which side of the body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Side {
     /// The body's left.
     Left,
     /// The body's right.
     Right,
+}
+
+impl Side {
+    /// The other one.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
 }
 
 /// A finger.

@@ -6,6 +6,7 @@ use super::pose::{BonePose, BonePoses, PoseHeader};
 use super::retarget::{Retarget, RetargetOptions, SourceSkeleton};
 use crate::model::{Frame, Skeleton};
 use crate::{Error, Result};
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Where poses come from: each call gives the next one, `None` after the last. It may wait.
@@ -25,18 +26,12 @@ pub struct PoseOptions {
 /// out, which then stay. Between two poses places go along lines, rotations along the shorter arc.
 #[derive(Clone, Debug)]
 pub struct PosePlayer {
-    skeleton: Skeleton,
-    standing: Vec<Frame>,
-    options: PoseOptions,
     header: PoseHeader,
-    /// From the first pose on.
-    playing: Option<Playing>,
-}
-
-#[derive(Clone, Debug)]
-struct Playing {
     names: BTreeMap<String, usize>,
     retarget: Retarget,
+    origin: Origin,
+    /// Where the root stays if no place is known.
+    root: DVec3,
     place: GroundMove,
     /// Time of the first pose: the stream's 0, s.
     first: f64,
@@ -46,111 +41,97 @@ struct Playing {
 }
 
 impl PosePlayer {
-    /// A player for `skeleton`, which stands at `standing` when it begins.
-    pub fn new(
-        header: PoseHeader,
-        skeleton: &Skeleton,
-        standing: &[Frame],
-        options: PoseOptions,
-    ) -> Self {
-        Self {
-            skeleton: skeleton.clone(),
-            standing: standing.to_vec(),
-            options,
-            header,
-            playing: None,
-        }
-    }
-
-    /// Takes in the first pose, and says how it is brought to the avatar.
+    /// A player for `skeleton` of what begins with the pose `first`; [`PosePlayer::stand_at`] says where it
+    /// takes place.
     ///
     /// # Errors
-    /// What `next` says; [`Error::Invalid`] where there is no pose or no bone can be mapped.
-    pub fn begin(&mut self, next: &mut NextPose<'_>) -> Result<&Retarget> {
-        if self.playing.is_none() {
-            let first = next()?.ok_or_else(|| Error::invalid("motion", "holds no pose"))?;
-            self.playing = Some(self.prepare(&first)?);
-        }
-        match &self.playing {
-            Some(playing) => Ok(&playing.retarget),
-            None => Err(Error::invalid("motion", "holds no pose")),
+    /// [`Error::Invalid`] of the options, or where no bone can be mapped.
+    pub fn new(
+        header: PoseHeader,
+        first: &BonePoses,
+        skeleton: &Skeleton,
+        options: &PoseOptions,
+    ) -> Result<Self> {
+        let names: BTreeMap<String, usize> = (first.bones.keys().cloned().zip(0..)).collect();
+        let source = SourceSkeleton {
+            rest_joints: (names.keys())
+                .map(|n| header.rest.get(n)?.position)
+                .collect(),
+            rest_up: header.up.filter(|_| !header.rest.is_empty()),
+            world_up: header.up,
+            names: names.keys().cloned().collect(),
+        };
+        let unknown = vec![BonePose::default(); names.len()];
+        let mut player = Self {
+            retarget: Retarget::new(&source, skeleton, &options.retarget)?,
+            origin: options.origin.unwrap_or(match header.up {
+                Some(_) => Origin::Avatar,
+                None => Origin::Motion,
+            }),
+            root: skeleton.joints[0],
+            place: GroundMove::NONE,
+            first: first.time,
+            before: (0.0, unknown.clone()),
+            after: (0.0, unknown),
+            ended: false,
+            header,
+            names,
+        };
+        player.add(first)?;
+        player.before = player.after.clone();
+        Ok(player)
+    }
+
+    /// How poses are brought to the avatar.
+    pub fn retarget(&self) -> &Retarget {
+        &self.retarget
+    }
+
+    /// Says where the avatar stands when it begins: the first pose is taken there, unless its origin is the
+    /// motion's own world.
+    pub fn stand_at(&mut self, standing: &[Frame]) {
+        let poses = &self.after.1;
+        self.root = standing[0].position;
+        let Some(anchor) = self.retarget.anchor(poses) else {
+            return;
+        };
+        if self.origin == Origin::Avatar {
+            let (from, to) = (self.retarget.frames(poses)[anchor], standing[anchor]);
+            let up = self.retarget.up();
+            let rise = up * (to.position - from.position).dot(up);
+            self.place = GroundMove::between(&from, &to, up).raised(rise);
         }
     }
 
     /// The avatar's frames `time` seconds after the first pose. Times must not fall.
     ///
     /// # Errors
-    /// As [`PosePlayer::begin`]; [`Error::Invalid`] of a bone that the first pose did not name.
+    /// What `next` says; [`Error::Invalid`] of a bone that the first pose did not name.
     pub fn frames(&mut self, time: f64, next: &mut NextPose<'_>) -> Result<Vec<Frame>> {
-        self.begin(next)?;
-        let Some(playing) = &mut self.playing else {
-            return Ok(self.standing.clone());
-        };
-        while !playing.ended && playing.after.0 < time {
+        while !self.ended && self.after.0 < time {
             match next()? {
-                Some(poses) => playing.add(&poses, &self.header)?,
-                None => playing.ended = true,
+                Some(poses) => self.add(&poses)?,
+                None => self.ended = true,
             }
         }
-        let ((t0, before), (t1, after)) = (&playing.before, &playing.after);
-        let part = if t1 > t0 {
-            ((time - t0) / (t1 - t0)).clamp(0.0, 1.0)
-        } else {
-            1.0
+        let ((t0, before), (t1, after)) = (&self.before, &self.after);
+        let part = match t1 > t0 {
+            true => ((time - t0) / (t1 - t0)).clamp(0.0, 1.0),
+            false => 1.0,
         };
-        let poses: Vec<BonePose> = before
-            .iter()
-            .zip(after)
+        let poses: Vec<BonePose> = (before.iter().zip(after))
             .map(|(a, b)| a.towards(b, part))
             .collect();
-        Ok(playing.placed(&poses, &self.standing))
-    }
-
-    fn prepare(&self, first: &BonePoses) -> Result<Playing> {
-        let names: BTreeMap<String, usize> = (first.bones.keys().cloned().zip(0..)).collect();
-        let rest = |name: &String| self.header.rest.get(name);
-        let source = SourceSkeleton {
-            rest_joints: names.keys().map(|n| rest(n)?.position).collect(),
-            rest_up: self.header.up.unwrap_or_default(),
-            world_up: self.header.up,
-            names: names.keys().cloned().collect(),
-        };
-        let retarget = Retarget::new(&source, &self.skeleton, &self.options.retarget)?;
-        let unknown = vec![BonePose::default(); names.len()];
-        let mut playing = Playing {
-            names,
-            retarget,
-            place: GroundMove::NONE,
-            first: first.time,
-            before: (0.0, unknown.clone()),
-            after: (0.0, unknown),
-            ended: false,
-        };
-        playing.add(first, &self.header)?;
-        playing.before = playing.after.clone();
-        let origin = self.options.origin.unwrap_or(match self.header.up {
-            Some(_) => Origin::Avatar,
-            None => Origin::Motion,
-        });
-        let poses = &playing.after.1;
-        if origin == Origin::Avatar
-            && let Some(anchor) = playing.retarget.anchor(poses)
-        {
-            let (from, to) = (
-                playing.retarget.frames(poses)[anchor],
-                self.standing[anchor],
-            );
-            let up = playing.retarget.up();
-            playing.place = GroundMove::between(&from, &to, up)
-                .raised(up * (to.position - from.position).dot(up));
+        let mut frames = self.retarget.frames(&poses);
+        match self.retarget.anchor(&poses) {
+            Some(_) => frames.iter_mut().for_each(|f| *f = self.place.apply(f)),
+            None => frames.iter_mut().for_each(|f| f.position += self.root),
         }
-        Ok(playing)
+        Ok(frames)
     }
-}
 
-impl Playing {
     /// Takes in a pose of the source.
-    fn add(&mut self, poses: &BonePoses, header: &PoseHeader) -> Result<()> {
+    fn add(&mut self, poses: &BonePoses) -> Result<()> {
         let mut bones = self.after.1.clone();
         for (name, pose) in &poses.bones {
             let Some(&at) = self.names.get(name) else {
@@ -160,29 +141,18 @@ impl Playing {
                 );
                 return Err(Error::invalid("motion", problem));
             };
-            let rest = header.rest.get(name).and_then(|r| r.rotation);
+            let rest = self.header.rest.get(name).and_then(|r| r.rotation);
+            let turned = match (pose.rotation, rest) {
+                (Some(now), Some(rest)) => Some((now * rest.inverse()).normalize()),
+                (now, _) => now,
+            };
             bones[at] = BonePose {
-                rotation: match (pose.rotation, rest) {
-                    (Some(now), Some(rest)) => Some((now * rest.inverse()).normalize()),
-                    (now, _) => now,
-                }
-                .or(bones[at].rotation),
+                rotation: turned.or(bones[at].rotation),
                 position: pose.position.or(bones[at].position),
             };
         }
         let time = poses.time - self.first;
         self.before = std::mem::replace(&mut self.after, (time, bones));
         Ok(())
-    }
-
-    /// The avatar's frames where they take place. Without a known place its root stays.
-    fn placed(&self, poses: &[BonePose], standing: &[Frame]) -> Vec<Frame> {
-        let mut frames = self.retarget.frames(poses);
-        if self.retarget.anchor(poses).is_none() {
-            let root = standing[0].position;
-            frames.iter_mut().for_each(|f| f.position += root);
-            return frames;
-        }
-        frames.iter().map(|f| self.place.apply(f)).collect()
     }
 }

@@ -53,8 +53,8 @@ pub struct SourceSkeleton {
     pub names: Vec<String>,
     /// Each joint's place in the rest pose, m, where it is known.
     pub rest_joints: Vec<Option<DVec3>>,
-    /// The axis that points up in the rest pose.
-    pub rest_up: UpAxis,
+    /// The axis that points up in the rest pose; `None` if nothing is known of it.
+    pub rest_up: Option<UpAxis>,
     /// The axis that points up in the world of the motion; `None` if that is the avatar's world.
     pub world_up: Option<UpAxis>,
 }
@@ -114,7 +114,8 @@ impl Retarget {
                 .map_or(DMat3::IDENTITY, |up| swing(up.direction(), options.up)),
             rest: vec![DMat3::IDENTITY; skeleton.len()],
             scale: options.scale.unwrap_or(1.0),
-            standing: swing(source.rest_up.direction(), options.up),
+            standing: (source.rest_up)
+                .map_or(DMat3::IDENTITY, |rest| swing(rest.direction(), options.up)),
             up: options.up,
             skeleton: skeleton.clone(),
             map,
@@ -138,7 +139,9 @@ impl Retarget {
             .map(|k| (k.0 - middle.0 / count, k.1 - middle.1 / count))
             .collect();
         let whole = best_rotation(&centred).map_or(DMat3::IDENTITY, snapped);
-        this.standing = swing(whole * source.rest_up.direction(), options.up);
+        if let Some(rest) = source.rest_up {
+            this.standing = swing(whole * rest.direction(), options.up);
+        }
         if options.scale.is_none() {
             this.scale = this.relative_size(&places, &centred);
         }

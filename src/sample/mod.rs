@@ -14,9 +14,11 @@ mod regressor;
 mod remesh;
 mod shape_motion;
 mod topology;
+mod walk;
 
 pub use body::{SampleBody, body};
 pub use finger::Finger;
 pub use hand::{SampleHand, hand};
 pub use limb::Limb;
 pub use random::{random_avatar, random_state};
+pub use walk::walk;

@@ -1,30 +1,34 @@
 //! A scene's bones and colliders in time.
 
+use super::motion_driver::MotionDriver;
 use crate::collider::Collider;
 use crate::load::Scene;
+use crate::load::motion::Playback;
 use crate::load::scene::{Motion, SceneCollider, Target};
 use crate::math::rotation_exp;
 use crate::model::{Avatar, Frame};
+use crate::motion::BoneMap;
 use crate::sim::{Instance, Pin};
 use crate::skeleton::Tracking;
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 
 /// A scene whose names are resolved against an avatar.
-#[derive(Clone, Debug)]
 pub struct Driver {
     gravity: DVec3,
     start: Vec<Frame>,
+    motion: Option<MotionDriver>,
     pins: Vec<(usize, Motion)>,
     targets: Vec<(usize, Target)>,
     colliders: Vec<SceneCollider>,
 }
 
 impl Driver {
-    /// Finds the scene's bones in `avatar`.
+    /// Finds the scene's bones in `avatar`, and opens its motion; a stream's first pose is waited for.
     ///
     /// # Errors
-    /// [`Error::Invalid`] naming the bone that is not there and those that are.
+    /// [`Error::Invalid`] naming the bone that is not there and those that are; what opening the motion
+    /// says.
     pub fn new(scene: &Scene, avatar: &Avatar) -> Result<Self> {
         let skeleton = &avatar.skeleton;
         let find = |name: &str, field: String| {
@@ -41,8 +45,18 @@ impl Driver {
         for (i, pose) in scene.pose.iter().enumerate() {
             local[find(&pose.bone, format!("pose[{i}].bone"))?] = radians(pose.rotation_degrees);
         }
-        local[0] = radians(scene.placement.rotation_degrees) * local[0];
+        let up = (-scene.gravity).normalize_or(DVec3::Z);
+        let motion = scene.motion.as_ref();
+        let playback = motion
+            .map(|m| Playback::open(m, skeleton, up))
+            .transpose()?;
+        let placed = radians(scene.placement.rotation_degrees);
+        local[0] = match &playback {
+            Some(p) if scene.placement.rotation_degrees == DVec3::ZERO => p.retarget().standing(),
+            _ => placed,
+        } * local[0];
         let root = skeleton.joints[0] + scene.placement.position;
+        let mut start = skeleton.forward_kinematics(&local, root);
         let pins = scene.pins.iter().enumerate().map(|(i, pin)| {
             Ok((
                 find(&pin.bone, format!("pins[{i}].bone"))?,
@@ -55,11 +69,23 @@ impl Driver {
                 target.clone(),
             ))
         });
+        let pins: Vec<_> = pins.collect::<Result<_>>()?;
+        let targets: Vec<_> = targets.collect::<Result<_>>()?;
+        let own = |bone: usize| {
+            pins.iter().any(|(b, _)| *b == bone) || targets.iter().any(|(b, _)| *b == bone)
+        };
+        let motion = match motion.zip(playback) {
+            Some((motion, playback)) => Some(MotionDriver::new(
+                motion, playback, skeleton, &mut start, own,
+            )?),
+            None => None,
+        };
         Ok(Self {
             gravity: scene.gravity,
-            start: skeleton.forward_kinematics(&local, root),
-            pins: pins.collect::<Result<_>>()?,
-            targets: targets.collect::<Result<_>>()?,
+            start,
+            motion,
+            pins,
+            targets,
             colliders: scene.colliders.clone(),
         })
     }
@@ -79,6 +105,9 @@ impl Driver {
             ..Tracking::new(*bone, self.driven(*bone, &target.motion, 0.0))
         };
         instance.targets = self.targets.iter().map(target).collect();
+        if let Some(motion) = &self.motion {
+            motion.start(&self.start, instance);
+        }
         let collider = |c: &SceneCollider| Collider {
             shape: c.shape,
             frame: c.motion.at(0.0),
@@ -89,8 +118,17 @@ impl Driver {
         instance.colliders = self.colliders.iter().map(collider).collect();
     }
 
-    /// Moves what is driven to `time`, the end of the next step.
-    pub fn drive(&self, time: f64, instance: &mut Instance) {
+    /// Which of the motion's bones drives which of the avatar's, if there is a motion.
+    pub fn bone_map(&self) -> Option<&BoneMap> {
+        self.motion.as_ref().map(MotionDriver::bone_map)
+    }
+
+    /// Moves what is driven to `time`, the end of the next step. Times must not fall; a stream is waited
+    /// for.
+    ///
+    /// # Errors
+    /// What reading a stream of poses says.
+    pub fn drive(&mut self, time: f64, instance: &mut Instance) -> Result<()> {
         for (pin, (bone, motion)) in instance.pins.iter_mut().zip(&self.pins) {
             pin.frame = self.driven(*bone, motion, time);
         }
@@ -103,6 +141,16 @@ impl Driver {
             .zip(self.collider_frames(time))
         {
             collider.frame = frame;
+        }
+        match &mut self.motion {
+            Some(motion) => motion.drive(
+                time,
+                &self.start,
+                self.pins.len(),
+                self.targets.len(),
+                instance,
+            ),
+            None => Ok(()),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod driver;
 mod measure;
+mod motion_driver;
 mod pictures;
 
 pub use driver::Driver;
@@ -13,6 +14,7 @@ use crate::Result;
 use crate::load::Scene;
 use crate::load::scene::PanelTime;
 use crate::model::{Avatar, Frame, State};
+use crate::motion::BoneMap;
 use crate::potential::Potential;
 use crate::sim::Simulation;
 use glam::DVec3;
@@ -25,6 +27,8 @@ pub struct SceneRun {
     pub report: Report,
     /// Its motion.
     pub recording: Recording,
+    /// Which bones of its motion drove which of the avatar, if it has one.
+    pub bone_map: Option<BoneMap>,
     /// What its pictures show.
     pub snapshots: Vec<Snapshot>,
 }
@@ -52,7 +56,7 @@ pub fn run_scene<P: Potential>(
     simulation: &mut Simulation<P>,
     progress: &mut dyn FnMut(usize),
 ) -> Result<SceneRun> {
-    let driver = Driver::new(scene, avatar)?;
+    let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
     let mut measures = Measures::new(scene, avatar);
     let mut recording = Recording {
@@ -69,7 +73,7 @@ pub fn run_scene<P: Potential>(
     );
     for step in 1..=scene.steps {
         let time = step as f64 * scene.settings.time_step;
-        driver.drive(time, &mut simulation.instances_mut()[0]);
+        driver.drive(time, &mut simulation.instances_mut()[0])?;
         let report = simulation.step_blocking()?;
         simulation.read_skin_blocking(0, &mut skin, &mut normals)?;
         let instance = &simulation.instances()[0];
@@ -92,6 +96,7 @@ pub fn run_scene<P: Potential>(
     Ok(SceneRun {
         report: measures.report(avatar, simulation.potential().name()),
         recording,
+        bone_map: driver.bone_map().cloned(),
         snapshots: snapshots.into_iter().flatten().collect(),
     })
 }

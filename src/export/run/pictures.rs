@@ -26,11 +26,17 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         .map(|s| meshes(scene, avatar, s, maximum))
         .collect();
     let [width, height] = output.panel_size;
+    // The skin is always framed; of colliders only those that are not as wide as a floor.
     let bounded = |m: &&Mesh| {
         let centre = m.surface.positions.iter().sum::<DVec3>() / m.surface.positions.len() as f64;
         (m.surface.positions.iter()).all(|p| (*p - centre).length() < HALF_SPACE_EXTENT)
     };
-    let framed: Vec<DVec3> = (scenes.iter().flatten().filter(bounded))
+    let framed: Vec<DVec3> = scenes
+        .iter()
+        .flat_map(|meshes| {
+            let (skin, colliders) = meshes.split_at(meshes.len().min(1));
+            skin.iter().chain(colliders.iter().filter(bounded))
+        })
         .flat_map(|m| m.surface.positions.iter().copied())
         .collect();
     let aspect = width as f64 / height as f64;

@@ -10,6 +10,7 @@ pub(super) use read::{of_file, parse_toml};
 pub use read::{parse_scene, read_scene};
 
 use super::AvatarSource;
+use super::motion::TrackedMotion;
 use crate::collider::Shape;
 use crate::material::Material;
 use crate::sim::Settings;
@@ -49,6 +50,8 @@ pub struct Scene {
     /// Bones that are drawn to a motion by springs.
     #[serde(default)]
     pub targets: Vec<Target>,
+    /// A recorded or live motion that the bones are drawn to; `pins` and `targets` go before it.
+    pub motion: Option<TrackedMotion>,
     /// What the skin touches.
     #[serde(default)]
     pub colliders: Vec<SceneCollider>,
@@ -65,7 +68,7 @@ pub struct Scene {
 pub struct Placement {
     /// Shift of the root joint from its reference place, m.
     pub position: DVec3,
-    /// Rotation vector about the root joint, degrees.
+    /// Rotation vector about the root joint, degrees. With a motion and none given the avatar is stood up.
     pub rotation_degrees: DVec3,
 }
 

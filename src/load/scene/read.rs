@@ -14,7 +14,11 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
     let path = path.as_ref();
     let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
     let mut scene = parse_scene(&text, path)?;
-    scene.avatar.resolve(path.parent().unwrap_or(Path::new("")));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    scene.avatar.resolve(folder);
+    if let Some(motion) = &mut scene.motion {
+        motion.resolve(folder);
+    }
     Ok(scene)
 }
 
@@ -104,6 +108,9 @@ impl Scene {
                 format!("targets[{i}]"),
                 "stiffness and damping must be zero or positive",
             )?;
+        }
+        if let Some(motion) = &self.motion {
+            motion.validate()?;
         }
         for (i, collider) in self.colliders.iter().enumerate() {
             let field = format!("colliders[{i}]");
