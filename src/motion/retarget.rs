@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Align {
-    /// Limbs and fingers point the same way in both: a T pose drives an A pose. Pelvis, spine, neck,
-    /// head and collar bones keep the avatar's own posture, and its soles stay flat.
+    /// Limbs, feet and fingers point the same way in both: a T pose drives an A pose. Pelvis, spine, neck,
+    /// head and collar bones keep the avatar's own posture.
     #[default]
     Directions,
     /// Both rest poses are the same, but for one rotation of the whole.
@@ -271,7 +271,8 @@ impl Retarget {
             Some(
                 Part::Hips | Part::Spine | Part::Neck | Part::Head | Part::Collar | Part::Toes,
             ) => Rule::Inherit,
-            Some(Part::Foot) => Rule::Rest,
+            // Where the toes are tells how a foot is held; without them the sole stays flat.
+            Some(Part::Foot) if children.count() == 0 => Rule::Rest,
             // One finger does not tell how a hand is held.
             Some(Part::Hand) if children.count() < 2 => Rule::Inherit,
             _ => Rule::Directions,
