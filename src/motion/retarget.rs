@@ -266,15 +266,16 @@ impl Retarget {
     fn rest_rule(&self, t: usize) -> Rule {
         let children = self
             .driven()
-            .filter(|&c| self.skeleton.parents[c] == Some(t as u32));
+            .filter(|&c| self.skeleton.parents[c] == Some(t as u32))
+            .count();
         match self.parts[t].map(|p| p.part) {
             Some(
                 Part::Hips | Part::Spine | Part::Neck | Part::Head | Part::Collar | Part::Toes,
             ) => Rule::Inherit,
             // Where the toes are tells how a foot is held; without them the sole stays flat.
-            Some(Part::Foot) if children.count() == 0 => Rule::Rest,
+            Some(Part::Foot) if children == 0 => Rule::Rest,
             // One finger does not tell how a hand is held.
-            Some(Part::Hand) if children.count() < 2 => Rule::Inherit,
+            Some(Part::Hand) if children < 2 => Rule::Inherit,
             _ => Rule::Directions,
         }
     }
