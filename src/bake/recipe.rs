@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct Recipe {
     /// What the tissue is made of. Without it a stable neo-Hookean tissue, as soft as makes a brisk shake (±5 cm at
-    /// 3 Hz) shear the layer's deep parts by some 15 % and move them by 12 mm at most.
+    /// 3 Hz) shear the layer's deep parts by some 20 % and move them by about 12 mm at most.
     pub material: Option<Material>,
     /// Density of tissue and bones, kg/m³.
     pub density: f64,
