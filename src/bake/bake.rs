@@ -16,7 +16,6 @@ use super::{Recipe, automatic};
 use crate::math::Rows;
 use crate::model::{Avatar, Body, PointSet, SoftLayer, TetMesh};
 use crate::{Error, Result};
-use glam::DVec3;
 use std::time::Instant;
 
 /// The phases of a bake, in order.
@@ -160,17 +159,10 @@ pub fn bake(
     };
     avatar.validate()?;
     mesh_report.quality = quality;
-    let extent = {
-        let positions = || body.skin.positions.iter().copied();
-        let (low, high) = (
-            positions().reduce(DVec3::min),
-            positions().reduce(DVec3::max),
-        );
-        high.unwrap_or_default() - low.unwrap_or_default()
-    };
+    let (low, high) = body.skin.bounds();
     let report = BakeReport {
         name: avatar.name.clone(),
-        extent: extent.to_array(),
+        extent: (high - low).to_array(),
         bone_names: body.skeleton.names.clone(),
         skin_vertices: body.skin.positions.len(),
         skin_triangles: body.skin.triangles.len(),

@@ -1,16 +1,19 @@
 //! `supple inspect`.
 
-use super::{print_json, print_table};
-use crate::Result;
-use crate::bake::read_avatar;
+use super::bake_report::print_bake_report;
+use super::preview::Preview;
+use super::{print, print_json, print_table};
+use crate::bake::{BakeReport, Baked, read_baked};
+use crate::load::FileKind;
 use crate::model::Avatar;
+use crate::{Error, Result};
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Arguments of `supple inspect`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A baked file.
+    /// A baked file, or a character file (.npz, .pkl, .glb, .gltf, .vrm, .obj, tets).
     file: PathBuf,
     /// JSON in place of a table.
     #[arg(long)]
@@ -26,6 +29,7 @@ struct Contents {
     handles: usize,
     cubature_points: usize,
     vertices: usize,
+    attached_vertices: usize,
     triangles: usize,
     nodes: usize,
     tets: usize,
@@ -40,17 +44,20 @@ struct Contents {
     most_handles_of_a_vertex: usize,
     most_handles_of_a_point: usize,
     material: crate::material::Material,
+    /// What the bake did.
+    bake: Option<BakeReport>,
 }
 
 impl Contents {
-    fn new(avatar: &Avatar) -> Self {
+    fn new(avatar: &Avatar, bake: Option<BakeReport>) -> Self {
         Self {
             name: avatar.name.clone(),
             bones: avatar.skeleton.len(),
             dofs: avatar.space().dofs(),
             handles: avatar.handles.len(),
             cubature_points: avatar.cubature.len(),
-            vertices: avatar.skin.len(),
+            vertices: avatar.tissue_vertices(),
+            attached_vertices: avatar.attached.len(),
             triangles: avatar.triangles.len(),
             nodes: avatar.layer.mesh.nodes.len(),
             tets: avatar.layer.mesh.tets.len(),
@@ -69,54 +76,92 @@ impl Contents {
             most_handles_of_a_vertex: avatar.skin.basis.longest(),
             most_handles_of_a_point: avatar.cubature.basis.longest(),
             material: avatar.material,
+            bake,
         }
+    }
+
+    /// What the bake's report does not say, and all of it where there is none.
+    fn print(&self) {
+        if self.bake.is_none() {
+            print_table([
+                ("name", self.name.clone()),
+                ("bones", self.bones.to_string()),
+                ("handles", self.handles.to_string()),
+                ("cubature points", self.cubature_points.to_string()),
+                (
+                    "skin",
+                    format!("{} vertices, {} triangles", self.vertices, self.triangles),
+                ),
+                ("attached", format!("{} vertices", self.attached_vertices)),
+                (
+                    "soft layer",
+                    format!("{} nodes, {} tets", self.nodes, self.tets),
+                ),
+                (
+                    "tissue",
+                    format!(
+                        "{:.1} ml, {:.4} kg",
+                        self.tissue_volume_ml, self.tissue_mass_kg
+                    ),
+                ),
+                ("bones' mass", format!("{:.4} kg", self.bone_mass_kg)),
+                ("material", self.material.to_string()),
+            ]);
+        }
+        print_table([
+            ("degrees of freedom", self.dofs.to_string()),
+            ("density", format!("{} kg/m³", self.density)),
+            ("damping time", format!("{} s", self.damping_time)),
+            (
+                "captured under gravity",
+                self.captured_under_gravity.to_string(),
+            ),
+            ("pose features", self.pose_features.to_string()),
+            (
+                "bones of a vertex",
+                format!("at most {}", self.most_bones_of_a_vertex),
+            ),
+            (
+                "handles of a vertex",
+                format!("at most {}", self.most_handles_of_a_vertex),
+            ),
+            (
+                "handles of a point",
+                format!("at most {}", self.most_handles_of_a_point),
+            ),
+        ]);
     }
 }
 
 impl Arguments {
     /// Reads and tells.
     pub fn run(self) -> Result<()> {
-        let c = Contents::new(&read_avatar(&self.file)?);
-        if self.json {
-            return print_json(&c);
+        match FileKind::of(&self.file)? {
+            FileKind::Baked => {
+                let Baked { avatar, report } = read_baked(&self.file)?;
+                let contents = Contents::new(&avatar, report);
+                if self.json {
+                    return print_json(&contents);
+                }
+                if let Some(report) = &contents.bake {
+                    print_bake_report(report);
+                }
+                contents.print();
+            }
+            FileKind::Character(_) => {
+                let preview = Preview::read(&self.file)?;
+                if self.json {
+                    return print_json(&preview);
+                }
+                preview.print();
+                let file = self.file.display();
+                print(format_args!("\nnot baked yet: supple bake {file}"));
+            }
+            FileKind::Toml => {
+                let problem = "is a recipe or a scene, not a baked avatar: `supple bake` it first";
+                return Err(Error::format(&self.file, "format", problem));
+            }
         }
-        print_table([
-            ("name", c.name),
-            ("bones", c.bones.to_string()),
-            ("handles", c.handles.to_string()),
-            ("degrees of freedom", c.dofs.to_string()),
-            ("cubature points", c.cubature_points.to_string()),
-            (
-                "skin",
-                format!("{} vertices, {} triangles", c.vertices, c.triangles),
-            ),
-            ("soft layer", format!("{} nodes, {} tets", c.nodes, c.tets)),
-            (
-                "tissue",
-                format!("{:.1} ml, {:.4} kg", c.tissue_volume_ml, c.tissue_mass_kg),
-            ),
-            ("bones' mass", format!("{:.4} kg", c.bone_mass_kg)),
-            ("material", c.material.to_string()),
-            ("density", format!("{} kg/m³", c.density)),
-            ("damping time", format!("{} s", c.damping_time)),
-            (
-                "captured under gravity",
-                c.captured_under_gravity.to_string(),
-            ),
-            ("pose features", c.pose_features.to_string()),
-            (
-                "bones of a vertex",
-                format!("at most {}", c.most_bones_of_a_vertex),
-            ),
-            (
-                "handles of a vertex",
-                format!("at most {}", c.most_handles_of_a_vertex),
-            ),
-            (
-                "handles of a point",
-                format!("at most {}", c.most_handles_of_a_point),
-            ),
-        ]);
         Ok(())
     }
 }

@@ -6,6 +6,7 @@ mod bake;
 mod bake_report;
 mod inspect;
 mod motion;
+mod preview;
 mod progress;
 mod sample;
 mod simulate;

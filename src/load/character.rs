@@ -1,17 +1,20 @@
 //! Any character file: what it is, and the body in it.
 
-use super::{TetMeshFile, read_gltf, read_obj, read_smpl, read_tet_mesh, separate_tissue};
+use super::{
+    SmplModel, TetMeshFile, read_gltf, read_obj, read_smpl_model, read_tet_mesh, separate_tissue,
+};
 use crate::math::Rows;
 use crate::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
 use crate::sample::limb::one_bone_body;
 use crate::{Error, Result};
-use glam::DVec3;
+use serde::Serialize;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 /// What a character file is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum CharacterFormat {
     /// SMPL, SMPL-H, SMPL-X or MANO: `.npz`, `.pkl`.
     Smpl,
@@ -94,6 +97,10 @@ pub struct CharacterFile {
     pub format: CharacterFormat,
     /// The body; its layer is meshed only where the file holds tets.
     pub body: Body,
+    /// The file's own vertex that each skin vertex is; none for a glTF file, whose seams are welded.
+    pub file_vertices: Vec<u32>,
+    /// Vertices in the file, for the kinds that have `file_vertices`.
+    pub file_vertex_count: usize,
     /// Names of its shape directions, in order.
     pub shapes: Vec<String>,
     /// What was decided about the file, a sentence each.
@@ -128,18 +135,24 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Character
     let mut file = CharacterFile {
         format,
         body: skin_around_one_bone("", Vec::new()),
+        file_vertices: Vec::new(),
+        file_vertex_count: 0,
         shapes: Vec::new(),
         notes: Vec::new(),
     };
     let name = stem(path);
     match format {
         CharacterFormat::Smpl => {
-            let model = read_smpl(path)?;
-            let shapes = model.shape_directions.len();
-            check_betas(shapes)?;
-            let body = Body::of_model(&name, &model, betas, Vec::new());
-            file.body = separate_tissue(body);
-            file.shapes = (0..shapes).map(|k| format!("shape {k}")).collect();
+            let SmplModel { model, shapes, .. } = read_smpl_model(path)?;
+            let directions = model.shape_directions.len();
+            check_betas(directions)?;
+            file.body = Body::of_model(&name, &model, betas, Vec::new());
+            file.separate();
+            let called = |k: usize| match k.checked_sub(shapes) {
+                None => format!("shape {k}"),
+                Some(k) => format!("expression {k}"),
+            };
+            file.shapes = (0..directions).map(called).collect();
         }
         CharacterFormat::Gltf => {
             let character = read_gltf(path)?;
@@ -150,8 +163,8 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Character
         }
         CharacterFormat::Obj => {
             check_betas(0)?;
-            let whole = skin_around_one_bone(&name, read_obj(path)?);
-            file.body = separate_tissue(whole);
+            file.body = skin_around_one_bone(&name, read_obj(path)?);
+            file.separate();
         }
         CharacterFormat::Tets => {
             check_betas(0)?;
@@ -161,9 +174,48 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Character
                 surface,
             } = read_tet_mesh(path)?;
             file.body = one_bone_body(&name, mesh, &pinned, &surface)?;
+            file.file_vertex_count = surface.len();
+            file.file_vertices = (0..surface.len() as u32).collect();
         }
     }
     Ok(file)
+}
+
+impl CharacterFile {
+    /// Attaches what is not tissue, and keeps account of the file's vertices.
+    fn separate(&mut self) {
+        /// A map that goes through the separation and is taken out again.
+        const VERTEX: &str = "vertex of the file";
+        let whole = &mut self.body;
+        self.file_vertex_count = whole.skin.positions.len();
+        let numbers = (0..self.file_vertex_count).map(|v| v as f64).collect();
+        whole.painted.insert(VERTEX.into(), numbers);
+        self.body = separate_tissue(whole.clone());
+        let numbers = self.body.painted.remove(VERTEX).unwrap_or_default();
+        self.file_vertices = numbers.into_iter().map(|v| v as u32).collect();
+    }
+
+    /// Paints `map`, a number for each of the file's vertices, on the skin.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the numbers are not as many as the file's vertices, or the file is a glTF file: paint a
+    /// vertex attribute there.
+    pub fn paint(&mut self, name: &str, map: &[f64]) -> Result<()> {
+        if self.file_vertices.is_empty() {
+            let problem = "vertices of a glTF file are welded: paint a vertex attribute in the file itself, `_NAME` or a \
+                           colour";
+            return Err(Error::invalid(format!("painted.{name}"), problem));
+        }
+        if map.len() != self.file_vertex_count {
+            let (found, expected) = (map.len(), self.file_vertex_count);
+            let problem =
+                format!("holds {found} numbers; the character file has {expected} vertices");
+            return Err(Error::invalid(format!("painted.{name}"), problem));
+        }
+        let values = self.file_vertices.iter().map(|&v| map[v as usize]);
+        self.body.painted.insert(name.into(), values.collect());
+        Ok(())
+    }
 }
 
 /// All surfaces of `objects` around one bone in their middle.
@@ -175,10 +227,7 @@ fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
         let shifted = part.triangles.into_iter().map(|t| t.map(|v| v + first));
         skin.triangles.extend(shifted);
     }
-    let (low, high) = (skin.positions.iter())
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-            (low.min(*p), high.max(*p))
-        });
+    let (low, high) = skin.bounds();
     let whole = SkinWeight {
         bone: 0,
         weight: 1.0,

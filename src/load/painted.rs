@@ -6,11 +6,11 @@ use super::{npy, npz};
 use crate::{Error, Result};
 use std::path::Path;
 
-/// A number for each of `vertices`, from a `.npy` file or from the array `name` of a `.npz` archive.
+/// The numbers of a `.npy` file, or of the array `name` of a `.npz` archive.
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Format`] where it is no such file, of another length, or not finite.
-pub(super) fn read_painted(path: &Path, name: &str, vertices: usize) -> Result<Vec<f64>> {
+/// [`Error::Io`], [`Error::Format`] where it is no such file, no list of numbers, or not finite.
+pub(super) fn read_painted(path: &Path, name: &str) -> Result<Vec<f64>> {
     let bytes = read_bytes(path)?;
     let arrays = if npz::is_archive(&bytes) {
         npz::parse(&bytes, path, &[name])?
@@ -20,15 +20,5 @@ pub(super) fn read_painted(path: &Path, name: &str, vertices: usize) -> Result<V
         arrays.insert(name, item);
         arrays
     };
-    if let Some(array) = arrays.get(name)?.filter(|a| a.numbers.len() != vertices) {
-        let count = array.numbers.len();
-        let problem = format!(
-            "holds {count} numbers for a skin of {vertices} vertices: paint the skin as it is read (`supple \
-             inspect` tells its size)"
-        );
-        return Err(Error::format(path, name, problem));
-    }
-    arrays
-        .expect(name, &[Some(vertices)])
-        .map(|array| array.numbers.clone())
+    (arrays.expect(name, &[None])).map(|array| array.numbers.clone())
 }

@@ -18,6 +18,13 @@ impl Surface {
         self.triangles[t].map(|v| self.positions[v as usize])
     }
 
+    /// Lowest and highest corner of the box around all vertices, m; 0 where there is none.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let corner = |pick: fn(DVec3, DVec3) -> DVec3| self.positions.iter().copied().reduce(pick);
+        let (low, high) = (corner(DVec3::min), corner(DVec3::max));
+        (low.unwrap_or_default(), high.unwrap_or_default())
+    }
+
     /// Area vector (area × unit normal) of triangle `t`, m².
     pub fn area_vector(&self, t: usize) -> DVec3 {
         let [a, b, c] = self.corners(t);

@@ -1,6 +1,8 @@
 //! What a mesher found in a skin and made of it.
 
-use super::MeshQuality;
+use super::{MeshQuality, SoundSkin};
+use crate::Result;
+use crate::model::Surface;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -62,6 +64,16 @@ pub struct MeshReport {
     pub bare_vertices: usize,
     /// Bones whose surface was derived from joints and skin weights.
     pub derived_bones: usize,
+}
+
+impl SkinReport {
+    /// Looks `skin` over.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] where it names a vertex that is not there or holds a value that is not finite.
+    pub fn of(skin: &Surface) -> Result<Self> {
+        Ok(SoundSkin::new(skin)?.full_report())
+    }
 }
 
 impl fmt::Display for SkinReport {

@@ -5,7 +5,7 @@ mod samples;
 pub use samples::Sample;
 pub(crate) use samples::{PALM, SOFT, map_of};
 
-use super::character::{FileKind, read_character};
+use super::character::{CharacterFile, FileKind, read_character};
 use super::painted::read_painted;
 use super::read_closed_obj;
 use super::scene::{of_file, parse_toml};
@@ -37,7 +37,7 @@ pub struct AvatarSource {
     /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
     pub bones: Option<PathBuf>,
     /// Maps painted on the skin, by name: `.npy` files, or `.npz` archives with an array of that name, with a number
-    /// for each skin vertex. A region of handles may name one.
+    /// for each of the file's vertices. A region of handles may name one.
     pub painted: BTreeMap<String, PathBuf>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
@@ -217,7 +217,7 @@ impl AvatarSource {
             (read_character(path, &[])?.body, limb_recipe())
         } else if let Some(path) = &self.model {
             let mut character = read_character(path, &self.betas)?;
-            self.complete(&mut character.body)?;
+            self.complete(&mut character)?;
             notes = character.notes;
             (character.body, Recipe::default())
         } else {
@@ -235,13 +235,14 @@ impl AvatarSource {
     }
 
     /// Gives a model's body its bone surfaces and painted maps.
-    fn complete(&self, body: &mut Body) -> Result<()> {
+    fn complete(&self, character: &mut CharacterFile) -> Result<()> {
         if let Some(path) = &self.bones {
+            let body = &mut character.body;
             body.bone_surfaces = bones_by_name(&body.skeleton.names, path)?;
         }
         for (name, path) in &self.painted {
-            let map = read_painted(path, name, body.skin.positions.len())?;
-            body.painted.insert(name.clone(), map);
+            let map = read_painted(path, name)?;
+            character.paint(name, &map).map_err(|e| of_file(e, path))?;
         }
         Ok(())
     }
