@@ -79,7 +79,7 @@ fn animations_are_the_files_own() {
                 largest = largest.max(largest_distance(&body, &found, &expected));
             }
             println!("{}: {largest:.1e} m", path.display());
-            assert!(largest < 2e-6);
+            assert!(largest < 1e-6);
         }
     }
     assert!(clips == 3 || files().is_empty());

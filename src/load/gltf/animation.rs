@@ -19,8 +19,9 @@ const RATES: [f64; 9] = [24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0]
 /// Lowest number of frames a second: between frames a motion is interpolated linearly.
 const LEAST_RATE: f64 = 60.0;
 
-/// A joint that stays this near to its rest place, relative to the skeleton's extent, does not move.
-const STILL: f64 = 2e-7;
+/// A joint that stays this near to its rest place does not move: relative to the skeleton's extent, for
+/// the rounding of its file, and in m.
+const STILL: [f64; 2] = [2e-7, 3e-7];
 
 /// The motions of a file; animations that move no bone are left out.
 pub(super) fn motions(file: &File, nodes: &Nodes, rig: &Rig) -> Result<Vec<MotionClip>> {
@@ -176,7 +177,7 @@ impl<'a> Player<'a> {
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
                 (low.min(*p), high.max(*p))
             });
-        let still = STILL * (high - low).max_element();
+        let still = (STILL[0] * (high - low).max_element()).min(STILL[1]);
         let moves = |&j: &usize| poses.iter().any(|p| shift(p, j).length() > still);
         let translated: Vec<usize> = (0..joints.len()).filter(moves).collect();
         let frame = |pose: &Vec<Frame>| MotionFrame {
