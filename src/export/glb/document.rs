@@ -1,17 +1,13 @@
-//! The glTF document: nodes, skin, mesh, animation.
+//! The glTF document: nodes, materials, animation.
 
 use super::buffer::{Buffer, container};
 use super::morph::Morphs;
-use super::normals::normal_change;
 use super::{Prop, Recording};
 use crate::model::{Avatar, Frame, Surface};
 use crate::{Error, Result};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::path::Path;
-
-/// Displacements shorter than this are left out of a sparse target, m.
-const SPARSE_THRESHOLD: f32 = 1e-7;
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +41,7 @@ pub fn write_glb(
         "name": "world", "rotation": quaternion(upright).to_vec(), "children": [],
     }));
     let bones = file.skeleton(avatar, recording, world);
-    file.body(avatar, &morphs, &bones);
+    file.skin(avatar, &morphs, &bones);
     for prop in &recording.props {
         file.prop(prop, world);
     }
@@ -62,13 +58,13 @@ pub fn write_glb(
 }
 
 #[derive(Default)]
-struct Document {
-    buffer: Buffer,
+pub(super) struct Document {
+    pub buffer: Buffer,
     nodes: Vec<Value>,
     /// Nodes of the scene itself.
     roots: Vec<usize>,
-    meshes: Vec<Value>,
-    skins: Vec<Value>,
+    pub meshes: Vec<Value>,
+    pub skins: Vec<Value>,
     materials: Vec<Value>,
     samplers: Vec<Value>,
     channels: Vec<Value>,
@@ -78,7 +74,7 @@ struct Document {
 
 impl Document {
     /// A node of the scene.
-    fn node(&mut self, node: Value) -> usize {
+    pub fn node(&mut self, node: Value) -> usize {
         self.nodes.push(node);
         self.roots.push(self.nodes.len() - 1);
         self.nodes.len() - 1
@@ -95,7 +91,8 @@ impl Document {
         index
     }
 
-    fn animate(&mut self, node: usize, path: &str, output: usize) {
+    /// Animates a property of a node at the key times.
+    pub fn animate(&mut self, node: usize, path: &str, output: usize) {
         self.samplers
             .push(json!({"input": self.times, "output": output, "interpolation": "LINEAR"}));
         self.channels.push(json!({
@@ -144,66 +141,6 @@ impl Document {
         bones
     }
 
-    /// The skinned mesh.
-    fn body(&mut self, avatar: &Avatar, morphs: &Morphs, bones: &[usize]) {
-        let surface = Surface {
-            positions: avatar.skin.position.clone(),
-            triangles: avatar.triangles.clone(),
-        };
-        let mut primitive = self.primitive(&surface, [0.80, 0.52, 0.41], 0.6);
-        for set in 0..avatar.skin.skinning.longest().div_ceil(4) {
-            let (bones, weights) = influences(avatar, set);
-            primitive["attributes"][format!("JOINTS_{set}")] =
-                json!(self.buffer.bone_indices(&bones));
-            primitive["attributes"][format!("WEIGHTS_{set}")] =
-                json!(self.buffer.floats("VEC4", &weights));
-        }
-        let targets: Vec<Value> = morphs
-            .targets
-            .iter()
-            .map(|target| {
-                let position: Vec<_> = target.iter().map(|d| floats(*d)).collect();
-                let normal = normal_change(&surface, target);
-                json!({
-                    "POSITION": self.buffer.sparse_vectors(&position, SPARSE_THRESHOLD),
-                    "NORMAL": self.buffer.sparse_vectors(&normal, 1e-4),
-                })
-            })
-            .collect();
-        let mut mesh = json!({"name": avatar.name, "primitives": []});
-        let morphed = !targets.is_empty();
-        if morphed {
-            primitive["targets"] = json!(targets);
-            let rest = morphs.weights[0].iter().map(|w| *w as f32);
-            mesh["weights"] = json!(rest.collect::<Vec<_>>());
-            mesh["extras"] = json!({"targetNames": morphs.names});
-        }
-        mesh["primitives"] = json!([primitive]);
-        self.meshes.push(mesh);
-        let bind: Vec<[f32; 16]> = avatar
-            .skeleton
-            .joints
-            .iter()
-            .map(|j| {
-                glam::DMat4::from_translation(-*j)
-                    .to_cols_array()
-                    .map(|v| v as f32)
-            })
-            .collect();
-        let matrices = self.buffer.floats("MAT4", &bind);
-        self.skins
-            .push(json!({"inverseBindMatrices": matrices, "joints": bones}));
-        // The node of a skinned mesh stands in the scene itself: its own placement is ignored.
-        let node = self.node(json!({
-            "name": avatar.name, "mesh": self.meshes.len() - 1, "skin": self.skins.len() - 1,
-        }));
-        if morphed {
-            let weights = as_floats(&morphs.weights.concat());
-            let weights = self.buffer.floats("SCALAR", &weights);
-            self.animate(node, "weights", weights);
-        }
-    }
-
     /// A rigid mesh; it is animated only if it moves.
     fn prop(&mut self, prop: &Prop, world: usize) {
         let primitive = self.primitive(&prop.surface, prop.colour, 0.8);
@@ -222,10 +159,6 @@ impl Document {
 
     /// A triangle primitive with its own material.
     fn primitive(&mut self, surface: &Surface, colour: [f32; 3], roughness: f32) -> Value {
-        let [r, g, b] = colour;
-        self.materials.push(json!({"pbrMetallicRoughness": {
-            "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness,
-        }}));
         let positions: Vec<_> = surface.positions.iter().map(|p| floats(*p)).collect();
         let normals: Vec<_> = surface.vertex_normals().into_iter().map(floats).collect();
         json!({
@@ -234,8 +167,20 @@ impl Document {
                 "NORMAL": self.buffer.floats("VEC3", &normals),
             },
             "indices": self.buffer.triangles(&surface.triangles),
-            "material": self.materials.len() - 1,
+            "material": self.material("", colour, roughness),
         })
+    }
+
+    /// A new material; without a name where that is empty.
+    pub fn material(&mut self, name: &str, [r, g, b]: [f32; 3], roughness: f32) -> usize {
+        let mut material = json!({"pbrMetallicRoughness": {
+            "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness,
+        }});
+        if !name.is_empty() {
+            material["name"] = json!(name);
+        }
+        self.materials.push(material);
+        self.materials.len() - 1
     }
 
     fn finish(self, name: &str) -> Vec<u8> {
@@ -257,25 +202,11 @@ impl Document {
     }
 }
 
-/// The `set`th four bones and weights of each skin vertex; absent ones have weight 0.
-fn influences(avatar: &Avatar, set: usize) -> (Vec<[u16; 4]>, Vec<[f32; 4]>) {
-    let row = |row: &[crate::model::SkinWeight]| {
-        let mut sorted = row.to_vec();
-        sorted.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-        let (mut bones, mut weights) = ([0; 4], [0.0; 4]);
-        for (k, w) in sorted.iter().skip(4 * set).take(4).enumerate() {
-            (bones[k], weights[k]) = (w.bone as u16, w.weight as f32);
-        }
-        (bones, weights)
-    };
-    avatar.skin.skinning.iter().map(row).unzip()
-}
-
-fn as_floats(values: &[f64]) -> Vec<[f32; 1]> {
+pub(super) fn as_floats(values: &[f64]) -> Vec<[f32; 1]> {
     values.iter().map(|v| [*v as f32]).collect()
 }
 
-fn floats(v: DVec3) -> [f32; 3] {
+pub(super) fn floats(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 

@@ -8,6 +8,7 @@ mod buffer;
 mod document;
 mod morph;
 mod normals;
+mod skin;
 
 pub use document::{GlbReport, write_glb};
 pub use morph::{MORPH_TOLERANCE, MOST_MORPHS};
