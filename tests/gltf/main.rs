@@ -2,3 +2,6 @@
 
 mod assets;
 mod evaluation;
+mod fixture;
+mod meshes;
+mod skins;

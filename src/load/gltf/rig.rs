@@ -58,7 +58,7 @@ pub(super) struct ReferencePart {
     pub skinning: Vec<Vec<SkinWeight>>,
     /// What each vertex's displacements are multiplied with.
     pub linear: Vec<DMat3>,
-    /// Whether the way here mirrors, so that triangles turn inside out.
+    /// Whether the node mirrors: its triangles are wound the other way round then (§3.7.4).
     pub mirrored: bool,
     /// Vertices whose weights cancel at rest: their place is that of the bind pose.
     pub cancelled: usize,
@@ -219,7 +219,7 @@ impl Rig {
             positions: Vec::new(),
             skinning: Vec::new(),
             linear: Vec::new(),
-            mirrored: false,
+            mirrored: world.matrix3.determinant() < 0.0,
             cancelled: 0,
         };
         for (v, row) in part.positions.iter().zip(part.influences.iter()) {
@@ -253,7 +253,6 @@ impl Rig {
                 skin.map_or(world, |s| s.reference)
             };
             skinning.sort_by_key(|s| s.bone);
-            out.mirrored = map.matrix3.determinant() < 0.0;
             out.positions.push(map.transform_point3(*v));
             out.linear.push(map.matrix3);
             out.skinning.push(skinning);
