@@ -26,6 +26,9 @@ pub(super) struct Seen {
     pub rule: Rule,
 }
 
+/// A joint nearer to its parent's has no direction from there (CMU's fingers lie in the wrist), m.
+const SHORTEST: f64 = 1e-4;
+
 /// World rotations (away from the bind pose) of `skeleton`'s bones that bring its joints' directions to
 /// those seen. A bone with several children, not all in one line, is turned as they fit best; one with a
 /// single child turns with its parent and then by the smallest angle; any other turns with its parent.
@@ -42,6 +45,7 @@ pub(super) fn fit_rotations(skeleton: &Skeleton, seen: &[Seen]) -> Vec<DMat3> {
                 let mut pairs: Vec<(DVec3, DVec3)> = children[j]
                     .iter()
                     .filter_map(|&c| Some((skeleton.joints[c] - joint, seen[c].place? - place)))
+                    .filter(|(rest, now)| rest.length() > SHORTEST && now.length() > SHORTEST)
                     .collect();
                 if let ([], Some(end), Some(p)) = (&pairs[..], bone.end, parent) {
                     // At rest the tip goes on as its bone's parent does.

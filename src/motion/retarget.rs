@@ -264,18 +264,24 @@ impl Retarget {
 
     /// How the rest pose turns the avatar's bone `t`.
     fn rest_rule(&self, t: usize) -> Rule {
-        let children = self
-            .driven()
-            .filter(|&c| self.skeleton.parents[c] == Some(t as u32))
-            .count();
+        let children = self.driven();
+        let children = children.filter(|&c| self.skeleton.parents[c] == Some(t as u32));
+        let parts: Vec<Option<Part>> = children.map(|c| self.parts[c].map(|p| p.part)).collect();
         match self.parts[t].map(|p| p.part) {
             Some(
                 Part::Hips | Part::Spine | Part::Neck | Part::Head | Part::Collar | Part::Toes,
             ) => Rule::Inherit,
             // Where the toes are tells how a foot is held; without them the sole stays flat.
-            Some(Part::Foot) if children == 0 => Rule::Rest,
+            Some(Part::Foot) if parts.is_empty() => Rule::Rest,
             // One finger does not tell how a hand is held.
-            Some(Part::Hand) if children < 2 => Rule::Inherit,
+            Some(Part::Hand) if parts.len() < 2 => Rule::Inherit,
+            // A bone of the pelvis or the chest that goes by another name.
+            None if parts
+                .iter()
+                .any(|p| matches!(p, Some(Part::UpperLeg | Part::Collar | Part::UpperArm))) =>
+            {
+                Rule::Inherit
+            }
             _ => Rule::Directions,
         }
     }

@@ -1,0 +1,133 @@
+//! Real recordings, where they are there: `../shared/assets`.
+
+use std::path::{Path, PathBuf};
+use supple::glam::{DMat3, DVec3};
+use supple::load::motion::{Playback, TrackedMotion};
+use supple::load::{read_character, read_gltf_motions};
+use supple::math::rotation_log;
+use supple::model::Frame;
+use supple::motion::Align;
+
+fn asset(name: &str) -> Option<PathBuf> {
+    let path = Path::new("../shared/assets").join(name);
+    if !path.exists() {
+        eprintln!("skipped: {} is not there", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+/// The walk as CMU recorded it, brought to a character by us, and by another program: its own animation.
+#[test]
+fn the_walk_is_the_same_from_bvh_and_glb() {
+    let (Some(bvh), Some(glb)) = (
+        asset("motion/cmu_orig_02_01.bvh"),
+        asset("makehuman-female-cmu-02_01.glb"),
+    ) else {
+        return;
+    };
+    let skeleton = read_character(&glb, &[]).unwrap().body.skeleton;
+    let own = read_gltf_motions(&glb).unwrap().remove(0);
+    let motion = TrackedMotion {
+        origin: Some(supple::motion::Origin::Motion),
+        ..TrackedMotion::of_file(&bvh)
+    };
+    let mut playback = Playback::open(&motion, &skeleton, DVec3::Y).unwrap();
+    println!("scale {}", playback.retarget().scale());
+    let mut rows = vec![(0.0, 0.0); skeleton.len()];
+    for k in 0..=20 {
+        let time = f64::from(k) / 20.0 * own.duration();
+        let expected = own.world_frames(&own.sample(time));
+        let found = playback.frames(time).unwrap();
+        let hips = skeleton.find("Hips").unwrap();
+        let base = (
+            expected[own.find("Hips").unwrap()].position,
+            found[hips].position,
+        );
+        if k % 10 == 0 {
+            println!("hips {:?}", base);
+        }
+        for (j, bone) in skeleton.names.iter().enumerate() {
+            let Some(there) = own.find(bone) else {
+                continue;
+            };
+            let d = (expected[there].position - base.0) - (found[j].position - base.1);
+            let turn = rotation_log(expected[there].rotation.transpose() * found[j].rotation)
+                .length()
+                .to_degrees();
+            rows[j].0 += d.length() / 21.0;
+            rows[j].1 += turn / 21.0;
+        }
+    }
+    for (name, r) in skeleton.names.iter().zip(rows) {
+        println!("{name:20} {:.3} m {:.1} deg", r.0, r.1);
+    }
+}
+
+/// The character's own animation, brought to it by its own names, is its own animation.
+#[test]
+fn a_character_s_own_clip_is_exact() {
+    for name in ["makehuman-female-cmu-02_01.glb", "khronos-CesiumMan.glb"] {
+        let Some(path) = asset(name) else { continue };
+        let body = read_character(&path, &[]).unwrap().body;
+        let clip = read_gltf_motions(&path).unwrap().remove(0);
+        let motion = TrackedMotion {
+            align: Align::None,
+            scale: Some(1.0),
+            origin: Some(supple::motion::Origin::Motion),
+            ..TrackedMotion::of_file(&path)
+        };
+        let mut playback = Playback::open(&motion, &body.skeleton, DVec3::Y).unwrap();
+        for k in [0, 3, 11] {
+            let time = f64::from(k) / 11.0 * clip.duration();
+            let expected = clip.world_frames(&clip.sample(time));
+            let found = playback.frames(time).unwrap();
+            for (j, bone) in body.skeleton.names.iter().enumerate() {
+                let Some(there) = clip.find(bone) else {
+                    continue;
+                };
+                let turned = rotation_log(expected[there].rotation.transpose() * found[j].rotation);
+                assert!(turned.length() < 1e-6, "{name} {bone}: {turned}");
+            }
+        }
+    }
+}
+
+/// WebXR's hands on the WebXR hand, and mirrored on the sample's right hand: joints lie where the tracker
+/// has them, but for the lengths of bones.
+#[test]
+fn tracked_hands_pose_hands() {
+    for (name, mirror) in [("relaxed", true), ("pinch", true)] {
+        let Some(path) = asset(&format!("hand-poses/{name}.js")) else {
+            continue;
+        };
+        let model = supple::sample::hand().unwrap().model;
+        let skeleton = model.skeleton(&[]);
+        let motion = TrackedMotion {
+            mirror,
+            ..TrackedMotion::of_file(&path)
+        };
+        let mut playback = Playback::open(&motion, &skeleton, DVec3::Z).unwrap();
+        assert_eq!(playback.retarget().map().pairs.len(), 16, "{name}");
+        playback.stand_at(&skeleton.bind_pose());
+        let frames = playback.frames(0.0).unwrap();
+        // Fingertips' side: in a pinch thumb and index meet; a right hand's thumb stays on its +y side.
+        let end = |bone: &str| -> DVec3 {
+            let j = skeleton.find(bone).unwrap();
+            let parent = skeleton.parents[j].unwrap() as usize;
+            frames[j].transform(0.8 * (skeleton.joints[j] - skeleton.joints[parent]))
+        };
+        let gap = (end("thumb3") - end("index3")).length();
+        if name == "pinch" {
+            assert!(gap < 0.035, "{gap}");
+        } else {
+            assert!(gap > 0.035, "{gap}");
+        }
+        let proper = |f: &Frame| {
+            (f.rotation.transpose() * f.rotation - DMat3::IDENTITY)
+                .determinant()
+                .abs()
+        };
+        assert!(frames.iter().all(|f| proper(f) < 1e-9));
+    }
+}

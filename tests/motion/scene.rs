@@ -1,0 +1,1 @@
+//! Scenes whose bones follow a motion.
