@@ -4,3 +4,5 @@ mod formats;
 mod recorded;
 mod retarget;
 mod scene;
+#[path = "../support/mod.rs"]
+mod support;
