@@ -84,7 +84,7 @@ pub fn bake(
     };
     let handles = Handles::place(body, &node_skinning, &softness, regions)?;
     let fixed: Vec<bool> = layer.bone_of_node.iter().map(Option::is_some).collect();
-    let system = BiharmonicSystem::new(mesh, &fixed, &handles.constraints)?;
+    let system = BiharmonicSystem::new(mesh, recipe.basis_energy, &fixed, &handles.constraints)?;
     let columns = system.basis();
     let linear_precision = system.linear_precision(mesh, &columns);
     let loose_tets = system.loose_tets();

@@ -1,6 +1,6 @@
 //! The sparse biharmonic basis (Wang, Jacobson, Barbič and Kavan 2015).
 
-use super::biharmonic_energy::biharmonic_energy;
+use super::biharmonic_energy::BasisEnergy;
 use super::loose_parts::{add_laplacian, loose_tets};
 use crate::math::{DenseFactor, Rows, SparseFactor, SparseSymmetric};
 use crate::model::TetMesh;
@@ -46,7 +46,12 @@ impl BiharmonicSystem {
     /// # Errors
     /// [`Error::Invalid`] where a length or index is off; [`Error::Solve`] where the fixed nodes and
     /// constraints do not determine the mesh, or repeat one another.
-    pub fn new(mesh: &TetMesh, fixed: &[bool], constraints: &Constraints) -> Result<Self> {
+    pub fn new(
+        mesh: &TetMesh,
+        energy: BasisEnergy,
+        fixed: &[bool],
+        constraints: &Constraints,
+    ) -> Result<Self> {
         let all_constraints = constraints;
         let nodes = mesh.nodes.len();
         if fixed.len() != nodes {
@@ -87,7 +92,7 @@ impl BiharmonicSystem {
         let mut coupling = Vec::new();
         let mut entries = Vec::new();
         let mut trace = 0.0;
-        let mut energy = biharmonic_energy(mesh);
+        let mut energy = energy.entries(mesh);
         let loose = loose_tets(mesh, fixed, all_constraints);
         if 2 * loose.len() > mesh.tets.len() {
             let problem = "fixed nodes and constraints do not determine the mesh".into();
@@ -292,29 +297,27 @@ mod tests {
     #[test]
     fn basis_interpolates_and_vanishes_at_bones() {
         let (mesh, fixed, constraints) = sample(3);
-        let basis = BiharmonicSystem::new(&mesh, &fixed, &constraints)
-            .unwrap()
-            .basis();
-        for (h, column) in basis.iter().enumerate() {
-            for (k, reached) in gather(&constraints, column).into_iter().enumerate() {
-                let expected = f64::from(u8::from(h == k));
-                assert!(
-                    (reached - expected).abs() < 1e-10,
-                    "U_{h} at {k}: {reached}"
-                );
+        for energy in [BasisEnergy::Biharmonic, BasisEnergy::Triharmonic] {
+            let system = BiharmonicSystem::new(&mesh, energy, &fixed, &constraints).unwrap();
+            for (h, column) in system.basis().iter().enumerate() {
+                for (k, reached) in gather(&constraints, column).into_iter().enumerate() {
+                    let error = reached - f64::from(u8::from(h == k));
+                    assert!(error.abs() < 1e-10, "{energy:?}: U_{h} at {k}: {reached}");
+                }
+                assert!((0..fixed.len()).all(|n| !fixed[n] || column[n] == 0.0));
             }
-            assert!((0..fixed.len()).all(|n| !fixed[n] || column[n] == 0.0));
         }
     }
 
     #[test]
     fn partition_and_linear_precision_with_the_bones_affine_columns() {
-        for seed in [11, 12, 13] {
+        let energies = [BasisEnergy::Biharmonic, BasisEnergy::Triharmonic];
+        for (seed, energy) in (11..14).flat_map(|seed| energies.map(|e| (seed, e))) {
             let (mesh, fixed, constraints) = sample(seed);
-            let system = BiharmonicSystem::new(&mesh, &fixed, &constraints).unwrap();
+            let system = BiharmonicSystem::new(&mesh, energy, &fixed, &constraints).unwrap();
             let basis = system.basis();
             let precision = system.linear_precision(&mesh, &basis);
-            assert!(precision < 1e-9, "seed {seed}: {precision:e}");
+            assert!(precision < 1e-9, "{energy:?}, seed {seed}: {precision:e}");
             // The measure sees a column that is off by a hundredth.
             let mut broken = basis.clone();
             broken[2].iter_mut().for_each(|u| *u *= 1.01);
@@ -326,7 +329,12 @@ mod tests {
     fn too_few_constraints_are_a_typed_error() {
         let (mesh, _, constraints) = sample(5);
         let three: Constraints = constraints.iter().take(3).map(<[_]>::to_vec).collect();
-        let error = BiharmonicSystem::new(&mesh, &vec![false; mesh.nodes.len()], &three);
+        let error = BiharmonicSystem::new(
+            &mesh,
+            BasisEnergy::Biharmonic,
+            &vec![false; mesh.nodes.len()],
+            &three,
+        );
         assert!(matches!(error, Err(Error::Solve { .. })), "{error:?}");
     }
 }

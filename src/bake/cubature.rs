@@ -2,6 +2,7 @@
 //! coordinates (Tapia et al. 2021, equations 5 to 7).
 
 use super::biharmonic::{BiharmonicSystem, Constraints};
+use super::biharmonic_energy::BasisEnergy;
 use super::cubature_weights::{Moments, nearest_weights};
 use super::points::basis_at_tets;
 use super::sampling::{Density, weighted_farthest_points};
@@ -210,8 +211,8 @@ fn raw_weights(tissue: Tissue<'_>, tets: &[u32]) -> Result<Vec<f64>> {
         .map(|&t| tissue.mesh.tets[t as usize].map(|n| (n, 0.25)))
         .collect();
     let none = vec![false; tissue.mesh.nodes.len()];
-    let weights =
-        BiharmonicSystem::new(tissue.mesh, &none, &centroids)?.integrals(&tissue.nodal_volumes());
+    let system = BiharmonicSystem::new(tissue.mesh, BasisEnergy::Biharmonic, &none, &centroids)?;
+    let weights = system.integrals(&tissue.nodal_volumes());
     if weights.iter().all(|w| w.is_finite()) {
         Ok(weights)
     } else {

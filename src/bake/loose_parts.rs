@@ -104,6 +104,7 @@ fn face_connected_parts(mesh: &TetMesh) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::BasisEnergy;
     use crate::bake::biharmonic::BiharmonicSystem;
     use crate::bake::test_mesh::jittered_box;
 
@@ -112,14 +113,16 @@ mod tests {
         let mut mesh = jittered_box([3, 3, 3], 0.01, 0.1, 41);
         let fixed: Vec<bool> = (0..64).map(|n| n < 16).collect();
         let constraints: Constraints = [[(50, 1.0)], [(60, 1.0)]].into_iter().collect();
-        let before = BiharmonicSystem::new(&mesh, &fixed, &constraints).unwrap();
+        let before =
+            BiharmonicSystem::new(&mesh, BasisEnergy::Biharmonic, &fixed, &constraints).unwrap();
         assert_eq!(before.loose_tets(), 0);
         let corner = mesh.nodes[63];
         mesh.nodes
             .extend([DVec3::X, DVec3::Y, DVec3::Z].map(|d| corner + 0.01 * d));
         mesh.tets.push([63, 64, 65, 66]);
         let fixed: Vec<bool> = (0..67).map(|n| n < 16).collect();
-        let system = BiharmonicSystem::new(&mesh, &fixed, &constraints).unwrap();
+        let system =
+            BiharmonicSystem::new(&mesh, BasisEnergy::Biharmonic, &fixed, &constraints).unwrap();
         assert_eq!(
             loose_tets(&mesh, &fixed, &constraints),
             [mesh.tets.len() as u32 - 1]

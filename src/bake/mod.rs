@@ -32,7 +32,7 @@ mod truncation;
 
 pub use bake::{PHASES, Progress, bake};
 pub use biharmonic::{BiharmonicSystem, Constraints};
-pub use biharmonic_energy::biharmonic_energy;
+pub use biharmonic_energy::{BasisEnergy, biharmonic_energy};
 pub use bone_mass::{BoneMassReport, bone_masses, surface_mass};
 pub use cubature::{Cubature, CubatureReport, Tissue};
 pub use file::{Baked, from_bytes, read_avatar, read_baked, to_bytes, write_avatar, write_baked};

@@ -1,6 +1,6 @@
 //! What a bake is asked for.
 
-use super::{HandleRegion, Mesher, Truncation};
+use super::{BasisEnergy, HandleRegion, Mesher, Truncation};
 use crate::material::Material;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,8 @@ pub struct Recipe {
     pub mesher: Mesher,
     /// Where handles stand. Without any they stand over what is soft, 40 to 100 of them by area and depth.
     pub handles: Vec<HandleRegion>,
+    /// What the basis minimises: `biharmonic` (k = 2) or `triharmonic` (k = 3).
+    pub basis_energy: BasisEnergy,
     /// Truncation of the basis.
     pub truncation: Truncation,
     /// How the tissue is sampled.
@@ -62,6 +64,7 @@ impl Default for Recipe {
             bones_per_point: 4,
             mesher: Mesher::default(),
             handles: Vec::new(),
+            basis_energy: BasisEnergy::default(),
             truncation: Truncation::default(),
             cubature: CubatureRecipe::default(),
         }
