@@ -7,7 +7,7 @@ use std::path::Path;
 use supple::bake::{Mesher, Softness};
 use supple::export::{Camera, Mesh, Plane, View, colour_map, from_srgb, render};
 use supple::glam::DVec3;
-use supple::load::read_character;
+use supple::load::{CharacterOptions, read_character};
 use supple::model::{Body, Surface, TetMesh};
 
 fn main() -> supple::Result<()> {
@@ -16,7 +16,7 @@ fn main() -> supple::Result<()> {
         println!("soft_layer CHARACTER PICTURE.png [x|y|z [0..1]]");
         return Ok(());
     };
-    let mut body = read_character(file, &[])?.body;
+    let mut body = read_character(file, &CharacterOptions::default())?.body;
     let start = std::time::Instant::now();
     let report = Mesher::Auto.mesh(&mut body)?;
     println!(

@@ -3,7 +3,7 @@
 use super::print_table;
 use crate::Result;
 use crate::bake::mesh::SkinReport;
-use crate::load::{CharacterFile, CharacterFormat, read_character};
+use crate::load::{CharacterFile, CharacterFormat, CharacterOptions, read_character};
 use serde::Serialize;
 use std::path::Path;
 
@@ -44,7 +44,7 @@ impl Preview {
             shapes,
             notes,
             ..
-        } = read_character(path, &[])?;
+        } = read_character(path, &CharacterOptions::default())?;
         let skin = SkinReport::of(&body.skin)?;
         let (low, high) = body.skin.bounds();
         Ok(Self {

@@ -1,13 +1,12 @@
 //! Any character file: what it is, and the body in it.
 
-use super::{
-    SmplModel, TetMeshFile, read_gltf, read_obj, read_smpl_model, read_tet_mesh, separate_tissue,
-};
+use super::scene::of_file;
+use super::{SmplModel, read_gltf, read_obj, read_smpl_model, read_tets, separate_tissue};
 use crate::math::Rows;
 use crate::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
-use crate::sample::limb::one_bone_body;
 use crate::{Error, Result};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -22,7 +21,7 @@ pub enum CharacterFormat {
     Gltf,
     /// A skin around one bone: `.obj`.
     Obj,
-    /// Tets: `.node` and `.ele`, `.msh`, `.mesh`, and the text of [`read_tet_mesh`].
+    /// Tets ([`read_tets`]): `.node` and `.ele`, `.msh`, `.mesh`, `.meshb`, and plain text.
     Tets,
 }
 
@@ -77,7 +76,7 @@ impl FileKind {
             "npz" | "pkl" | "pickle" => Self::Character(Smpl),
             "glb" | "gltf" | "vrm" => Self::Character(Gltf),
             "obj" => Self::Character(Obj),
-            "node" | "ele" | "msh" | "mesh" | "txt" => Self::Character(Tets),
+            "node" | "ele" | "face" | "msh" | "mesh" | "meshb" | "txt" => Self::Character(Tets),
             "toml" => Self::Toml,
             "supple" => return Err("is no baked avatar, or was cut short: bake it again".into()),
             "bvh" | "jsonl" | "js" => {
@@ -107,13 +106,22 @@ pub struct CharacterFile {
     pub notes: Vec<String>,
 }
 
-/// Reads the character file at `path`, the body's shape being that of `betas`; missing ones are 0, or the file's own
-/// default.
+/// What is asked of a character file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CharacterOptions {
+    /// Amounts of its shapes, in order; missing ones are 0, or the file's own default.
+    pub betas: Vec<f64>,
+    /// Bones that regions of tets are, by the file's labels.
+    pub regions: BTreeMap<String, String>,
+}
+
+/// Reads the character file at `path`.
 ///
 /// # Errors
 /// [`Error::Io`], [`Error::Format`] with the key or line at fault and its cure.
-pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<CharacterFile> {
+pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Result<CharacterFile> {
     let path = path.as_ref();
+    let betas = &options.betas;
     let format = match FileKind::of(path)? {
         FileKind::Character(format) => format,
         FileKind::Toml => {
@@ -168,14 +176,11 @@ pub fn read_character(path: impl AsRef<Path>, betas: &[f64]) -> Result<Character
         }
         CharacterFormat::Tets => {
             check_betas(0)?;
-            let TetMeshFile {
-                mesh,
-                pinned,
-                surface,
-            } = read_tet_mesh(path)?;
-            file.body = one_bone_body(&name, mesh, &pinned, &surface)?;
-            file.file_vertex_count = surface.len();
-            file.file_vertices = (0..surface.len() as u32).collect();
+            let body = read_tets(path)?.body(&name, &options.regions);
+            file.body = body.map_err(|e| of_file(e, path))?;
+            let vertices = file.body.skin.positions.len();
+            file.file_vertex_count = vertices;
+            file.file_vertices = (0..vertices as u32).collect();
         }
     }
     Ok(file)

@@ -22,7 +22,7 @@ pub use avatar_source::{
     AvatarSource, Sample, SourceBody, avatar_source_of, read_avatar_source, read_recipe_for,
 };
 pub(crate) use avatar_source::{PALM, SOFT, map_of};
-pub use character::{CharacterFile, CharacterFormat, FileKind, read_character};
+pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
 pub use gltf::{parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};

@@ -134,6 +134,22 @@ impl Body {
         }
     }
 
+    /// Makes everything `factor` times as large.
+    pub fn scale(&mut self, factor: f64) {
+        let surfaces = self.bone_surfaces.iter_mut();
+        let attached = self.attachments.iter_mut().map(|a| &mut a.surface);
+        let places = (surfaces.chain(attached).chain([&mut self.skin]))
+            .flat_map(|s| &mut s.positions)
+            .chain(&mut self.skeleton.joints)
+            .chain(&mut self.layer.mesh.nodes);
+        places.for_each(|p| *p *= factor);
+        let blends = self.attachments.iter_mut().map(|a| &mut a.pose_blend);
+        let columns = blends
+            .chain([&mut self.pose_blend])
+            .flat_map(|b| &mut b.columns);
+        columns.flatten().for_each(|x| *x *= factor as f32);
+    }
+
     /// Checks every length, index and number.
     pub fn validate(&self) -> Result<()> {
         self.skeleton.validate()?;

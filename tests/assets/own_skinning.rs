@@ -4,7 +4,7 @@ use crate::evaluation::{Evaluation, local_rest};
 use std::path::Path;
 use std::sync::Arc;
 use supple::glam::{DMat3, DMat4, DQuat, DVec3};
-use supple::load::{read_character, read_gltf, read_smpl};
+use supple::load::{CharacterOptions, read_character, read_gltf, read_smpl};
 use supple::math::Random;
 use supple::model::{Avatar, Frame};
 use supple::reference::Reference;
@@ -87,7 +87,9 @@ fn of_smpl(path: &Path, avatar: &Avatar) -> f64 {
         &skeleton.forward_kinematics(&local, skeleton.joints[0]),
     );
     let expected = model.evaluate(&[], &local, DVec3::ZERO);
-    let file_vertices = read_character(path, &[]).unwrap().file_vertices;
+    let file_vertices = read_character(path, &CharacterOptions::default())
+        .unwrap()
+        .file_vertices;
     assert_eq!(file_vertices.len(), avatar.tissue_vertices());
     let pairs = found.iter().zip(&file_vertices);
     pairs

@@ -5,10 +5,10 @@ mod samples;
 pub use samples::Sample;
 pub(crate) use samples::{PALM, SOFT, map_of};
 
-use super::character::{CharacterFile, FileKind, read_character};
+use super::character::{CharacterFile, CharacterOptions, FileKind, read_character};
 use super::painted::read_painted;
-use super::read_closed_obj;
 use super::scene::{of_file, parse_toml};
+use super::{read_closed_obj, read_tets};
 use crate::bake::Recipe;
 use crate::model::{Body, Surface};
 use crate::{Error, Result};
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// An avatar's source: exactly one of `file`, `recipe`, `sample`, `mesh` and `model`.
+/// An avatar's source: exactly one of `file`, `recipe`, `sample`, `mesh` and `model`, but `mesh` may go with `model`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AvatarSource {
@@ -27,7 +27,8 @@ pub struct AvatarSource {
     pub recipe: Option<PathBuf>,
     /// A body that the crate makes itself.
     pub sample: Option<Sample>,
-    /// A tet mesh around one bone, whose rest shape is that without gravity.
+    /// Tets ([`super::read_tets`]): the soft layer of `model`, or alone a body around one bone, whose rest shape is
+    /// that without gravity.
     pub mesh: Option<PathBuf>,
     /// A character file of any kind that [`read_character`] knows.
     pub model: Option<PathBuf>,
@@ -39,6 +40,10 @@ pub struct AvatarSource {
     /// Maps painted on the skin, by name: `.npy` files, or `.npz` archives with an array of that name, with a number
     /// for each of the file's vertices. A region of handles may name one.
     pub painted: BTreeMap<String, PathBuf>,
+    /// Bones that the regions of `mesh` are, by its labels; a label that is a bone's name needs no entry.
+    pub regions: BTreeMap<String, String>,
+    /// The size of the file's unit, m: 0.01 for centimetres. 1 if not given.
+    pub scale: Option<f64>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
 }
@@ -124,7 +129,7 @@ impl AvatarSource {
             ("model", self.model.is_some()),
         ];
         let given: Vec<_> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
-        if given.len() != 1 {
+        if given.len() != 1 && given != ["mesh", "model"] {
             let problem = format!(
                 "needs exactly one of file, recipe, sample, mesh and model, has {}",
                 if given.is_empty() {
@@ -147,6 +152,14 @@ impl AvatarSource {
         if self.bake.is_some() && (self.file.is_some() || self.recipe.is_some()) {
             let problem = "what is baked already, or has its own recipe, takes none here";
             return Err(Error::invalid("avatar.bake", problem));
+        }
+        if self.mesh.is_none() && self.model.is_none() && !self.regions.is_empty() {
+            let problem = "belong to a mesh: name one";
+            return Err(Error::invalid("avatar.regions", problem));
+        }
+        if let Some(scale) = self.scale.filter(|s| !(*s > 0.0 && s.is_finite())) {
+            let problem = format!("must be positive (m a unit), is {scale}");
+            return Err(Error::invalid("avatar.scale", problem));
         }
         let of_bake = |e: Error| match e {
             Error::Invalid { field, problem } => Error::invalid(format!("bake.{field}"), problem),
@@ -211,15 +224,15 @@ impl AvatarSource {
             return source.read();
         }
         let mut notes = Vec::new();
-        let (body, recipe) = if let Some(sample) = self.sample {
+        let (mut body, recipe) = if let Some(sample) = self.sample {
             sample.body()?
-        } else if let Some(path) = &self.mesh {
-            (read_character(path, &[])?.body, limb_recipe())
         } else if let Some(path) = &self.model {
-            let mut character = read_character(path, &self.betas)?;
+            let mut character = read_character(path, &self.options())?;
             self.complete(&mut character)?;
             notes = character.notes;
             (character.body, Recipe::default())
+        } else if let Some(path) = &self.mesh {
+            (read_character(path, &self.options())?.body, limb_recipe())
         } else {
             let problem = "a baked file has no body to bake; name a sample, mesh or model";
             return Err(match &self.file {
@@ -227,6 +240,10 @@ impl AvatarSource {
                 None => Error::invalid("avatar", problem),
             });
         };
+        if let Some(scale) = self.scale {
+            body.scale(scale);
+        }
+        notes.extend(odd_size(&body));
         Ok(SourceBody {
             body,
             recipe: self.bake.clone().unwrap_or(recipe),
@@ -234,11 +251,23 @@ impl AvatarSource {
         })
     }
 
+    fn options(&self) -> CharacterOptions {
+        CharacterOptions {
+            betas: self.betas.clone(),
+            regions: self.regions.clone(),
+        }
+    }
+
     /// Gives a model's body its bone surfaces and painted maps.
     fn complete(&self, character: &mut CharacterFile) -> Result<()> {
         if let Some(path) = &self.bones {
             let body = &mut character.body;
             body.bone_surfaces = bones_by_name(&body.skeleton.names, path)?;
+        }
+        if let Some(path) = &self.mesh {
+            let tets = read_tets(path)?;
+            let put = tets.put_into(&mut character.body, &self.regions);
+            put.map_err(|e| of_file(e, path))?;
         }
         for (name, path) in &self.painted {
             let map = read_painted(path, name)?;
@@ -257,6 +286,20 @@ pub struct SourceBody {
     pub recipe: Recipe,
     /// What was decided about its file, a sentence each.
     pub notes: Vec<String>,
+}
+
+/// A word about a body that is no person's, hand's or finger's size.
+fn odd_size(body: &Body) -> Option<String> {
+    /// A finger joint and a tall person, with room on both sides, m.
+    const USUAL: std::ops::Range<f64> = 0.02..4.0;
+    let (low, high) = body.skin.bounds();
+    let largest = (high - low).max_element();
+    (!USUAL.contains(&largest)).then(|| {
+        format!(
+            "{largest:.3} m from end to end: it is baked at that size; a recipe's `scale` says what the file's unit is \
+             (0.01 for centimetres)"
+        )
+    })
 }
 
 /// A surface for each bone, from an OBJ file whose objects carry the bones' names.
