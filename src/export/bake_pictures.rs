@@ -107,7 +107,13 @@ impl Stage {
         } else {
             (DVec3::Z, DVec3::Y)
         };
-        // A person who stands along z is thinnest along y or x.
+        // A hand whose wrist is at the end stands on it.
+        let root = avatar.skeleton.joints[0] - 0.5 * (low + high);
+        let up = if root.dot(up) > 0.25 * up.dot(extent) {
+            -up
+        } else {
+            up
+        };
         let side = up.cross(front);
         let aspect = (side.dot(extent).abs() / up.dot(extent).abs()).clamp(0.6, 1.6);
         Self {
@@ -132,6 +138,7 @@ impl Stage {
         let camera = Camera::framing(framed, direction, self.up, aspect);
         let view = View {
             supersampling: 2,
+            lamps: 64,
             ..View::new(camera, width, height)
         };
         Panel {
@@ -263,9 +270,14 @@ fn cubature(avatar: &Avatar, stage: &Stage) -> Image {
     let shown = avatar.cubature.position.iter().zip(weights).step_by(step);
     let cloud = point_cloud(shown.map(ball));
     let what = format!("{} cubature points", weights.len());
+    let (title, unit) = if most < 1e-3 {
+        ("weight (ml)", 1e-6)
+    } else {
+        ("weight (l)", 1e-3)
+    };
     let legend = Legend {
-        title: "weight (ml)".into(),
-        maximum: 1e6 * most,
+        title: title.into(),
+        maximum: most / unit,
     };
     Stage::sheet(stage.both(&[cloud], &what), Some(legend), Vec::new())
 }

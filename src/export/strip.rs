@@ -52,16 +52,14 @@ impl Strip {
         let mut left = 0;
         for panel in panels {
             sheet.paste(left, 0, &panel.image);
-            let wide = text_width(&panel.caption, size) as i64;
-            let x = left as i64 + (panel.image.width as i64 - wide) / 2;
-            draw_text(
-                &mut sheet,
-                x,
-                (height + size / 2) as i64,
-                size,
-                &panel.caption,
-                ink,
-            );
+            // A caption stays under its own picture.
+            let room = panel.image.width;
+            let fits = |s: &usize| text_width(&panel.caption, *s) <= room;
+            let letters = (8..=size).rev().find(fits).unwrap_or(8);
+            let wide = text_width(&panel.caption, letters) as i64;
+            let x = left as i64 + (room as i64 - wide) / 2;
+            let y = (height + size / 2) as i64;
+            draw_text(&mut sheet, x, y, letters, &panel.caption, ink);
             left += panel.image.width + GAP;
         }
         if let Some(legend) = &self.legend {
@@ -137,7 +135,12 @@ impl Legend {
             let colour = colour_map((x as f64 + 0.5) / length as f64);
             sheet.fill(left + x as i64, bar, 1, size * 3 / 4, colour);
         }
-        let step = tick_step(self.maximum);
+        // Numbers that would touch stand twice as far apart.
+        let mut step = tick_step(self.maximum);
+        let widest = text_width(&format!("{:.0}  ", self.maximum), size) as f64;
+        while step > 0.0 && step / self.maximum * (length as f64) < widest {
+            step *= 2.0;
+        }
         let ticks = (self.maximum / step + 1e-9).floor() as usize;
         for k in (0..=ticks).filter(|_| step > 0.0) {
             let value = k as f64 * step;

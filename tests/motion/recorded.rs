@@ -26,7 +26,10 @@ fn the_walk_is_the_same_from_bvh_and_glb() {
     ) else {
         return;
     };
-    let skeleton = read_character(&glb, &[]).unwrap().body.skeleton;
+    let skeleton = read_character(&glb, &Default::default())
+        .unwrap()
+        .body
+        .skeleton;
     let own = read_gltf_motions(&glb).unwrap().remove(0);
     let motion = TrackedMotion {
         origin: Some(supple::motion::Origin::Motion),
@@ -62,7 +65,7 @@ fn the_walk_is_the_same_from_bvh_and_glb() {
 fn a_character_s_own_clip_is_exact() {
     for name in ["makehuman-female-cmu-02_01.glb", "khronos-CesiumMan.glb"] {
         let Some(path) = asset(name) else { continue };
-        let body = read_character(&path, &[]).unwrap().body;
+        let body = read_character(&path, &Default::default()).unwrap().body;
         let clip = read_gltf_motions(&path).unwrap().remove(0);
         let motion = TrackedMotion {
             align: Align::None,

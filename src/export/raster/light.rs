@@ -7,8 +7,6 @@ use super::mesh::{Mesh, Plane};
 use crate::math::par_map;
 use glam::{DMat3, DVec3};
 
-/// Lamps of the dome.
-const LAMPS: usize = 224;
 /// Samples of a pixel that share the lamps among them.
 const INTERLEAVE: usize = 4;
 /// Samples along a side of a shadow map.
@@ -35,8 +33,9 @@ pub(super) struct Dome {
 }
 
 impl Dome {
-    /// Lights `meshes` (all of them inside a ball about `centre`) for a camera with the given axes.
+    /// Lights `meshes` (all of them inside a ball about `centre`) by so many lamps for a camera with the given axes.
     pub fn new(
+        count: usize,
         meshes: &[Mesh],
         clip: Option<&Plane>,
         centre: DVec3,
@@ -54,9 +53,9 @@ impl Dome {
             DMat3::from_cols(x, up.cross(x), up)
         };
         let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-        let lamps = par_map(LAMPS, |i| {
+        let lamps = par_map(count, |i| {
             // Fibonacci points on the whole sphere: a light floor shines back.
-            let z = 1.0 - (i as f64 + 0.5) * 2.0 / LAMPS as f64;
+            let z = 1.0 - (i as f64 + 0.5) * 2.0 / count as f64;
             let (sin, cos) = (golden * i as f64).sin_cos();
             let r = (1.0 - z * z).max(0.0).sqrt();
             let direction = basis * DVec3::new(r * cos, r * sin, z);

@@ -26,6 +26,8 @@ pub struct View {
     pub floor: Option<f64>,
     /// Opens the meshes that have a cut colour.
     pub clip: Option<Plane>,
+    /// Lamps around the scene, each with a shadow map: time for smooth shadows. A multiple of 4.
+    pub lamps: usize,
 }
 
 impl View {
@@ -39,6 +41,7 @@ impl View {
             background: from_srgb(0xf4f2ee),
             floor: None,
             clip: None,
+            lamps: 224,
         }
     }
 }
@@ -53,7 +56,15 @@ pub fn render(meshes: &[Mesh], view: &View) -> Image {
     let studio = Studio {
         meshes,
         view,
-        dome: Dome::new(meshes, view.clip.as_ref(), centre, radius, axes, up),
+        dome: Dome::new(
+            view.lamps.max(4),
+            meshes,
+            view.clip.as_ref(),
+            centre,
+            radius,
+            axes,
+            up,
+        ),
         lens,
         up,
         centre,
