@@ -160,15 +160,40 @@ fn broken_obj_files_are_refused() {
         "a",
         "not closed",
     );
-    refuse("o a\nv 0 0 0\nf 1 2 3\n", "faces", "no OBJ");
+    refuse("o a\nv 0 0 0\nf 1 2 3\n", "line 3", "vertex `2` of 1");
     refuse(
         "o a\nv 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
-        "a",
-        "not finite",
+        "line 2",
+        "finite",
     );
+    refuse("v 0 0 0\nv 1 0 0\nf 1 2\n", "line 3", "three vertices");
+    refuse("v 0 0 0\nf 1 -2 1\n", "line 2", "`-2`");
     let inside_out =
         "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n";
     refuse(inside_out, "a", "inside out");
+}
+
+#[test]
+fn obj_polygons_groups_and_relative_indices_are_read() {
+    let (_folder, path) = folder();
+    let text = "mtllib none.mtl\nv 9 9 9\nv 0 0 0 1 1 1\nv 1 0 0\nv 1 1 0\nv 0 1 0\ng first part\nusemtl a\n\
+        f -4//1 -3/7 \\\n -2 -1\r\nusemtl b\ng second\nf 5 4 3\n";
+    std::fs::write(&path, text).unwrap();
+    let read = read_obj(&path).unwrap();
+    assert_eq!(read[0].0, "first part");
+    assert_eq!(read[0].1.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(read[0].1.positions[1], DVec3::X);
+    assert_eq!(
+        read[1].1.positions,
+        [DVec3::Y, DVec3::new(1.0, 1.0, 0.0), DVec3::X]
+    );
+    // With an object, groups are parts of it.
+    std::fs::write(&path, format!("o whole\n{text}")).unwrap();
+    let whole = read_obj(&path).unwrap();
+    assert_eq!(
+        (whole.len(), &*whole[0].0, whole[0].1.triangles.len()),
+        (1, "whole", 3)
+    );
 }
 
 proptest! {

@@ -19,7 +19,8 @@ mod tissue;
 mod weld;
 
 pub use avatar_source::{
-    AvatarSource, Sample, SourceBody, avatar_source_of, read_avatar_source, read_recipe_for,
+    AvatarSource, Sample, SourceBody, avatar_source_of, parse_avatar_source, read_avatar_source,
+    read_recipe_for,
 };
 pub(crate) use avatar_source::{PALM, SOFT, map_of};
 pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};

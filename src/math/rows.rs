@@ -22,7 +22,8 @@ impl<T> Default for Rows<T> {
 impl<T> Rows<T> {
     /// Number of rows.
     pub fn len(&self) -> usize {
-        self.offsets.len() - 1
+        // What was read from a file and not yet validated may have no offset at all.
+        self.offsets.len().saturating_sub(1)
     }
 
     /// Whether there is no row.

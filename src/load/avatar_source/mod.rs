@@ -6,6 +6,7 @@ pub use samples::Sample;
 pub(crate) use samples::{PALM, SOFT, map_of};
 
 use super::character::{CharacterFile, CharacterOptions, FileKind, read_character};
+use super::file::read_text;
 use super::painted::read_painted;
 use super::scene::{of_file, parse_toml};
 use super::{read_closed_obj, read_tets};
@@ -54,8 +55,12 @@ pub struct AvatarSource {
 /// [`Error::Io`], [`Error::Format`] with line or key.
 pub fn read_avatar_source(path: impl AsRef<Path>) -> Result<AvatarSource> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-    let mut source: AvatarSource = parse_toml(&text, path)?;
+    parse_avatar_source(&read_text(path)?, path)
+}
+
+/// Reads an avatar's source from TOML `text` of the file at `path`. See [`read_avatar_source`].
+pub fn parse_avatar_source(text: &str, path: &Path) -> Result<AvatarSource> {
+    let mut source: AvatarSource = parse_toml(text, path)?;
     source.validate().map_err(|e| of_file(e, path))?;
     source.resolve(path.parent().unwrap_or(Path::new("")));
     Ok(source)

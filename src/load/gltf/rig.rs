@@ -82,17 +82,17 @@ impl Rig {
         let bind: BTreeMap<usize, Vec<DAffine3>> = bind.collect::<Result<_>>()?;
         let joints = |s: &usize| &file.document.skins[*s].joints;
 
+        let is_joint: std::collections::BTreeSet<usize> =
+            order.iter().flat_map(joints).copied().collect();
+        if let Some(joint) = is_joint.iter().find(|&&j| j >= nodes.parents.len()) {
+            return Err(file.broken("skins", format!("joint {joint} is no node")));
+        }
         let mut weight = vec![0.0; nodes.parents.len()];
         for part in parts.iter().filter(|p| p.skin.is_some()) {
             let joints = part.skin.map(|s| joints(&s));
             for &(joint, w) in part.influences.entries() {
                 weight[joints.map_or(0, |j| j[joint as usize])] += w;
             }
-        }
-        let is_joint: std::collections::BTreeSet<usize> =
-            order.iter().flat_map(joints).copied().collect();
-        if let Some(joint) = is_joint.iter().find(|&&j| j >= nodes.parents.len()) {
-            return Err(file.broken("skins", format!("joint {joint} is no node")));
         }
         if is_joint.len() > MOST_BONES {
             let problem = format!("{} bones; {MOST_BONES} at most are read", is_joint.len());

@@ -1,41 +1,13 @@
 //! The bones of each model, in the published order.
 
 use super::SmplKind;
+use crate::motion::smpl::{BODY, FINGERS};
 
-/// Bones of the body that all but MANO share.
-const BODY: [&str; 22] = [
-    "pelvis",
-    "left_hip",
-    "right_hip",
-    "spine1",
-    "left_knee",
-    "right_knee",
-    "spine2",
-    "left_ankle",
-    "right_ankle",
-    "spine3",
-    "left_foot",
-    "right_foot",
-    "neck",
-    "left_collar",
-    "right_collar",
-    "head",
-    "left_shoulder",
-    "right_shoulder",
-    "left_elbow",
-    "right_elbow",
-    "left_wrist",
-    "right_wrist",
-];
-
-/// Bones of a hand beyond the wrist.
-const FINGERS: [&str; 15] = [
-    "index1", "index2", "index3", "middle1", "middle2", "middle3", "pinky1", "pinky2", "pinky3",
-    "ring1", "ring2", "ring3", "thumb1", "thumb2", "thumb3",
-];
+/// Bones of the body that SMPL-H and SMPL-X share with SMPL.
+const SHARED: usize = 22;
 
 /// SMPL-X's bones between body and hands.
-const FACE: [&str; 3] = ["jaw", "left_eye_smplhf", "right_eye_smplhf"];
+const FACE: [&str; 3] = ["jaw", "left_eye", "right_eye"];
 
 /// The model that has so many bones.
 pub(super) fn kind(bones: usize) -> SmplKind {
@@ -50,19 +22,19 @@ pub(super) fn kind(bones: usize) -> SmplKind {
 
 /// The names of a model's bones; numbered ones where the model is not known.
 pub(super) fn of(kind: SmplKind, bones: usize) -> Vec<String> {
-    let side = |side: &str| FINGERS.map(|finger| format!("{side}_{finger}"));
-    let body = BODY.map(String::from);
+    let fingers = |side: &str| -> Vec<String> {
+        let joints = FINGERS
+            .iter()
+            .flat_map(|finger| [1, 2, 3].map(|k| format!("{side}{finger}{k}")));
+        joints.collect()
+    };
+    let body = BODY.map(|(name, _)| name.to_string());
+    let hands = [fingers("left_"), fingers("right_")].concat();
     match kind {
-        SmplKind::Mano => [&["wrist".into()][..], &FINGERS.map(String::from)].concat(),
-        SmplKind::Smpl => [&body[..], &["left_hand".into(), "right_hand".into()]].concat(),
-        SmplKind::SmplH => [&body[..], &side("left"), &side("right")].concat(),
-        SmplKind::SmplX => [
-            &body[..],
-            &FACE.map(String::from),
-            &side("left"),
-            &side("right"),
-        ]
-        .concat(),
+        SmplKind::Mano => [vec!["wrist".into()], fingers("")].concat(),
+        SmplKind::Smpl => body.to_vec(),
+        SmplKind::SmplH => [&body[..SHARED], &hands].concat(),
+        SmplKind::SmplX => [&body[..SHARED], &FACE.map(String::from), &hands].concat(),
         SmplKind::Other => (0..bones).map(|j| format!("bone_{j}")).collect(),
     }
 }
