@@ -4,4 +4,6 @@ mod assets;
 mod evaluation;
 mod fixture;
 mod meshes;
+mod motions;
 mod skins;
+mod vrm;
