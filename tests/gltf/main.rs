@@ -3,6 +3,7 @@
 mod assets;
 mod evaluation;
 mod fixture;
+mod malformed;
 mod meshes;
 mod motions;
 mod skins;

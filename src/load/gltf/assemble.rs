@@ -3,7 +3,7 @@
 use super::animation::motions;
 use super::character::{Character, Shape, Whole};
 use super::container::File;
-use super::nodes::Nodes;
+use super::nodes::{FARTHEST, Nodes};
 use super::primitive::{Part, read_parts};
 use super::rig::{ReferencePart, Rig};
 use super::vrm::Vrm;
@@ -55,8 +55,10 @@ impl<'a> Scene<'a> {
         let stem = self.file.path.file_stem().unwrap_or_default();
         let mut whole = soup.weld(&stem.to_string_lossy(), &self.rig);
         let positions = &whole.body.skin.positions;
-        if let Some(v) = positions.iter().position(|p| !p.is_finite()) {
-            return Err(broken(format!("skin vertex {v} is not finite")));
+        // Comparisons with NaN are false.
+        let near = |p: &DVec3| p.length_squared() < FARTHEST * FARTHEST;
+        if let Some(v) = positions.iter().position(|p| !near(p)) {
+            return Err(broken(format!("skin vertex {v} is out of all bounds")));
         }
         let vrm = Vrm::read(self.file, &self.nodes, &self.rig);
         if vrm.ignored > 0 {

@@ -8,6 +8,9 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 /// A node's scale may differ between axes, or change over time, by this much relative to itself.
 const SCALE_TOLERANCE: f64 = 1e-3;
 
+/// Farther than this from the origin, m, nothing of a character is: numbers could overflow.
+pub(super) const FARTHEST: f64 = 1e9;
+
 /// Translation, rotation and scale of a node, or its matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Local {
@@ -81,10 +84,11 @@ impl Nodes {
             rest,
         };
         out.rest_world = out.world(&out.rest);
-        if let Some(n) = out.rest_world.iter().position(|w| !w.is_finite()) {
+        let near = |w: &DAffine3| w.to_cols_array().iter().all(|c| c.abs() < FARTHEST);
+        if let Some(n) = out.rest_world.iter().position(|w| !near(w)) {
             return Err(file.broken(
                 format!("nodes[{n}]"),
-                "its place in the world is not finite",
+                "its place in the world is out of all bounds",
             ));
         }
         out.show(file)?;

@@ -20,7 +20,7 @@ use super::webxr;
 use crate::Result;
 use crate::model::{Frame, Skeleton, SkinWeight};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// B is not inverted below this determinant: bones turned against each other by more than 150° meet.
 const LEAST_DETERMINANT: f64 = 0.05;
@@ -82,11 +82,11 @@ impl Rig {
         let bind: BTreeMap<usize, Vec<DAffine3>> = bind.collect::<Result<_>>()?;
         let joints = |s: &usize| &file.document.skins[*s].joints;
 
-        let is_joint: std::collections::BTreeSet<usize> =
-            order.iter().flat_map(joints).copied().collect();
+        let is_joint: BTreeSet<usize> = order.iter().flat_map(joints).copied().collect();
         if let Some(joint) = is_joint.iter().find(|&&j| j >= nodes.parents.len()) {
             return Err(file.broken("skins", format!("joint {joint} is no node")));
         }
+
         let mut weight = vec![0.0; nodes.parents.len()];
         for part in parts.iter().filter(|p| p.skin.is_some()) {
             let joints = part.skin.map(|s| joints(&s));
@@ -291,12 +291,7 @@ impl BoneTree {
     /// A bone's parent is the nearest joint above it. Joints with none above them hang on the one of
     /// them that carries most weight with what is below it; those of a WebXR hand are often siblings
     /// and get the hierarchy that their names imply.
-    fn new(
-        file: &File,
-        nodes: &Nodes,
-        is_joint: &std::collections::BTreeSet<usize>,
-        weight: &[f64],
-    ) -> Option<Self> {
+    fn new(file: &File, nodes: &Nodes, is_joint: &BTreeSet<usize>, weight: &[f64]) -> Option<Self> {
         let mut above: BTreeMap<usize, Option<usize>> = BTreeMap::new();
         for &n in is_joint {
             above.insert(n, nodes.upward(n).skip(1).find(|a| is_joint.contains(a)));
@@ -412,7 +407,7 @@ pub(super) fn name(file: &File, node: usize) -> String {
 
 /// Names of bones; those that come again get a number.
 fn unique_names(file: &File, nodes: &[usize]) -> Vec<String> {
-    let mut taken = std::collections::BTreeSet::new();
+    let mut taken = BTreeSet::new();
     let unique = |&n: &usize| {
         let name = name(file, n);
         let numbered = (2..).map(|k| format!("{name}_{k}"));

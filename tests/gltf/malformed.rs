@@ -1,0 +1,365 @@
+//! Files that are broken, hostile or not readable: typed errors that name the place, never a panic.
+
+use super::fixture::*;
+use glam::DQuat;
+use serde_json::{Value, json};
+use std::path::Path;
+use supple::Error;
+use supple::load::{parse_gltf, parse_gltf_motions};
+use supple::math::Random;
+
+/// A file with some of everything.
+fn rich() -> Fixture {
+    let mut file = bar_file(&BarFile::default());
+    let count = Bar::new(10, 0.05).positions.len();
+    let moves = file.vectors(&vec![glam::DVec3::Z; count]);
+    let places = file.view(&[1, 0, 2, 0]);
+    let values = file.view(&[0; 24]);
+    let sparse = json!({
+        "componentType": FLOAT, "count": count, "type": "VEC3",
+        "sparse": {
+            "count": 2, "indices": {"bufferView": places, "componentType": SHORT},
+            "values": {"bufferView": values},
+        },
+    });
+    let sparse = file.push("accessors", sparse);
+    let coordinates = file.floats("VEC2", &vec![[0.5; 2]; count]);
+    let primitive = &mut file.json["meshes"][0]["primitives"][0];
+    primitive["targets"] = json!([{"POSITION": moves}, {"POSITION": sparse}]);
+    primitive["attributes"]["TEXCOORD_0"] = json!(coordinates);
+    let times = file.floats("SCALAR", &[[0.0], [1.0]]);
+    let turn = DQuat::from_rotation_x(0.4).as_quat().to_array();
+    let turns = file.floats("VEC4", &[[0.0, 0.0, 0.0, 1.0], turn]);
+    file.push(
+        "animations",
+        json!({
+            "samplers": [{"input": times, "output": turns}],
+            "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}}],
+        }),
+    );
+    file.json["extensions"]["VRM"] = json!({
+        "humanoid": {"humanBones": [{"bone": "hips", "node": 1}]},
+        "secondaryAnimation": {"colliderGroups": [
+            {"node": 2, "colliders": [{"offset": {"x": 0.01, "y": 0.02, "z": 0}, "radius": 0.05}]},
+        ]},
+    });
+    file
+}
+
+/// Reads everything there is to read.
+fn read(bytes: &[u8]) -> supple::Result<()> {
+    let path = Path::new("folder/figure.glb");
+    let body = parse_gltf(bytes, path)?.body(&[])?;
+    assert!(body.skin.positions.iter().all(|p| p.is_finite()));
+    parse_gltf_motions(bytes, path)?;
+    Ok(())
+}
+
+/// Demands an [`Error::Format`] whose text holds all of `words`.
+fn refused(bytes: &[u8], words: &[&str]) {
+    let Err(error) = read(bytes) else {
+        panic!("was read: {words:?}")
+    };
+    let message = error.to_string();
+    assert!(matches!(error, Error::Format { .. }), "{message}");
+    assert!(message.starts_with("folder/figure.glb:"), "{message}");
+    for word in words {
+        assert!(message.contains(word), "{word}: {message}");
+    }
+}
+
+#[test]
+fn the_rich_file_is_sound() {
+    read(&rich().glb()).unwrap();
+}
+
+#[test]
+fn broken_documents_name_the_object_at_fault() {
+    let accessor = |file: &Fixture, name: &str| {
+        let attributes = &file.json["meshes"][0]["primitives"][0]["attributes"];
+        attributes[name].as_u64().unwrap() as usize
+    };
+    type Change = Box<dyn Fn(&mut Fixture)>;
+    let set = |pointer: &'static str, value: Value| -> Change {
+        Box::new(move |f: &mut Fixture| {
+            let (parent, key) = pointer.rsplit_once('/').unwrap();
+            f.json.pointer_mut(parent).unwrap()[key] = value.clone();
+        })
+    };
+    let of = |name: &'static str, key: &'static str, value: Value| -> Change {
+        Box::new(move |f: &mut Fixture| {
+            let at = accessor(f, name);
+            f.json["accessors"][at][key] = value.clone();
+        })
+    };
+    let huge = json!(u64::MAX);
+    let cases: Vec<(Change, &[&str])> = vec![
+        (
+            set("/asset/version", json!("1.0")),
+            &["asset.version", "1.0"],
+        ),
+        (
+            set("/extensionsRequired", json!(["KHR_draco_mesh_compression"])),
+            &[
+                "extensionsRequired",
+                "KHR_draco_mesh_compression",
+                "without compression",
+            ],
+        ),
+        (
+            set("/extensionsRequired", json!(["EXT_meshopt_compression"])),
+            &["EXT_meshopt_compression"],
+        ),
+        (
+            set("/extensionsRequired", json!(["ACME_teapot"])),
+            &["ACME_teapot"],
+        ),
+        (set("/scene", json!(3)), &["scene", "3"]),
+        (set("/scenes/0/nodes", json!([9])), &["scenes[0]", "9"]),
+        (set("/scenes/0/nodes", json!([])), &["meshes"]),
+        (set("/nodes", json!(7)), &["JSON"]),
+        (
+            set("/nodes/3/children", json!([0])),
+            &["nodes", "descendants"],
+        ),
+        (set("/nodes/2/children", json!([2])), &["nodes[2]", "too"]),
+        (
+            set("/nodes/0/children", json!([1, 4, 3])),
+            &["node 3", "too"],
+        ),
+        (set("/nodes/0/children", json!([44])), &["nodes[0]", "44"]),
+        (
+            set("/nodes/1/rotation", json!([0, 0, 0, 0])),
+            &["nodes[1]", "rotation"],
+        ),
+        (
+            set("/nodes/1/scale", json!([1, 2, 1])),
+            &["nodes[1]", "bone 0", "sheared"],
+        ),
+        (
+            set("/nodes/1/scale", json!([0, 0, 0])),
+            &["bone 0", "nothing"],
+        ),
+        (
+            set("/nodes/1/translation", json!([1e308, 1e308, 0])),
+            &["bounds"],
+        ),
+        (set("/nodes/0/matrix", json!([1, 2, 3])), &["JSON"]),
+        (set("/nodes/4/mesh", json!(8)), &["nodes[4].mesh", "8"]),
+        (set("/nodes/4/skin", json!(8)), &["skin 8"]),
+        (set("/skins/0/joints", json!([1, 2, 99])), &["joint 99"]),
+        (set("/skins/0/joints", json!([1, 2])), &["joint 2 of 2"]),
+        (
+            set("/skins/0/inverseBindMatrices", json!(1)),
+            &["accessors[1]", "MAT4"],
+        ),
+        (
+            set("/meshes/0/primitives/0/mode", json!(9)),
+            &["primitives[0]", "mode 9"],
+        ),
+        (
+            set("/meshes/0/primitives/0/attributes", json!({})),
+            &["POSITION"],
+        ),
+        (
+            set("/meshes/0/primitives/0/indices", json!(55)),
+            &["accessors[55]"],
+        ),
+        (
+            of("POSITION", "count", json!(50_000)),
+            &["accessors", "do not fit"],
+        ),
+        (of("POSITION", "count", huge.clone()), &["accessors"]),
+        (of("POSITION", "byteOffset", huge.clone()), &["do not fit"]),
+        (of("POSITION", "type", json!("VEC2")), &["VEC2", "VEC3"]),
+        (of("POSITION", "componentType", json!(5124)), &["5124"]),
+        (of("POSITION", "normalized", json!(true)), &["normalised"]),
+        (
+            of("POSITION", "bufferView", json!(77)),
+            &["bufferViews[77]"],
+        ),
+        (of("JOINTS_0", "count", json!(5)), &["JOINTS_0", "5"]),
+        (of("WEIGHTS_0", "count", huge.clone()), &["WEIGHTS_0"]),
+        (of("TEXCOORD_0", "count", json!(3)), &["TEXCOORD_0"]),
+        (
+            set("/bufferViews/0/byteOffset", huge.clone()),
+            &["bufferViews[0]"],
+        ),
+        (
+            set("/bufferViews/0/byteLength", huge.clone()),
+            &["bufferViews[0]"],
+        ),
+        (set("/bufferViews/0/buffer", json!(4)), &["bufferViews[0]"]),
+        (set("/bufferViews/1/byteStride", json!(1)), &["every 1"]),
+        (
+            set("/animations/0/channels/0/sampler", json!(4)),
+            &["animations[0].channels[0]", "sampler"],
+        ),
+        (
+            set("/animations/0/channels/0/target/node", json!(44)),
+            &["node"],
+        ),
+        (
+            set(
+                "/animations/0/samplers/0/interpolation",
+                json!("CUBICSPLINE"),
+            ),
+            &["animations[0]", "number of values"],
+        ),
+        (
+            set("/animations/0/samplers/0/interpolation", json!("MAGIC")),
+            &["interpolation"],
+        ),
+    ];
+    for (change, words) in cases {
+        let mut file = rich();
+        change(&mut file);
+        refused(&file.glb(), words);
+    }
+}
+
+#[test]
+fn broken_numbers_are_refused() {
+    let poke = |name: &str, bytes: &[u8]| {
+        let mut file = rich();
+        let attributes = &file.json["meshes"][0]["primitives"][0]["attributes"];
+        let accessor = attributes[name].as_u64().unwrap() as usize;
+        let view = file.json["accessors"][accessor]["bufferView"]
+            .as_u64()
+            .unwrap();
+        let at = file.json["bufferViews"][view as usize]["byteOffset"]
+            .as_u64()
+            .unwrap() as usize;
+        file.binary[at..at + bytes.len()].copy_from_slice(bytes);
+        file.glb()
+    };
+    refused(
+        &poke("POSITION", &f32::NAN.to_le_bytes()),
+        &["accessors", "not finite"],
+    );
+    refused(
+        &poke("WEIGHTS_0", &f32::INFINITY.to_le_bytes()),
+        &["not finite"],
+    );
+    refused(
+        &poke("WEIGHTS_0", &(-0.5f32).to_le_bytes()),
+        &["weight -0.5", "negative"],
+    );
+    refused(&poke("JOINTS_0", &[200]), &["joint 200 of 3"]);
+    let mut file = rich();
+    let indices = file.shorts("SCALAR", 3, &[0, 1, 9999]);
+    file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    refused(&file.glb(), &["vertex 9999"]);
+}
+
+#[test]
+fn a_small_file_cannot_ask_for_much_memory() {
+    // Sparse over nothing: the count is in no byte of the file.
+    let mut file = rich();
+    let target = &file.json["meshes"][0]["primitives"][0]["targets"][1]["POSITION"];
+    let accessor = target.as_u64().unwrap() as usize;
+    file.json["accessors"][accessor]["count"] = json!(2_000_000_000u64);
+    file.json["meshes"][0]["primitives"][0] =
+        json!({"attributes": {"POSITION": accessor}, "mode": 4});
+    refused(&file.glb(), &["more numbers"]);
+    // Ten thousand primitives of the same vertices.
+    let mut file = rich();
+    let primitive = file.json["meshes"][0]["primitives"][0].clone();
+    file.json["meshes"][0]["primitives"] = json!(vec![primitive; 10_000]);
+    let started = std::time::Instant::now();
+    let _ = read(&file.glb());
+    assert!(started.elapsed().as_secs() < 20);
+}
+
+#[test]
+fn containers_and_buffers() {
+    let sound = rich();
+    let glb = sound.glb();
+    for length in [0, 3, 4, 8, 11, 12, 19, 20, 40, glb.len() / 2, glb.len() - 1] {
+        let error = read(&glb[..length]).unwrap_err();
+        assert!(matches!(error, Error::Format { .. }), "{length}: {error}");
+    }
+    let mut version = glb.clone();
+    version[4] = 3;
+    refused(&version, &["GLB", "version 3"]);
+    refused(b"{}", &["JSON"]);
+    refused(&sound.text("data:;base64,AA!A"), &["buffers[0]", "base64"]);
+    refused(
+        &sound.text("data:;base64,AAAA"),
+        &["buffers[0]", "3 bytes of"],
+    );
+    refused(&sound.text("data:text/plain,abc"), &["base64"]);
+    refused(&sound.text("../../etc/passwd"), &["buffers[0]", "folder"]);
+    refused(&sound.text("/etc/passwd"), &["buffers[0]", "folder"]);
+    refused(
+        &sound.text("https://example.org/a.bin"),
+        &["buffers[0]", "folder"],
+    );
+    refused(&sound.text("a%zz.bin"), &["escape"]);
+    refused(
+        &sound.text("not-there.bin"),
+        &["buffers[0]", "not-there.bin"],
+    );
+}
+
+#[test]
+fn flipped_bits_and_cut_files_never_panic() {
+    let glb = rich().glb();
+    let mut random = Random::new(77);
+    let mut read_well = 0;
+    for round in 0..3000 {
+        let mut bytes = glb.clone();
+        for _ in 0..1 + round % 4 {
+            let at = random.index(bytes.len());
+            bytes[at] ^= 1 << random.index(8);
+        }
+        if round % 8 == 0 {
+            bytes.truncate(random.index(bytes.len()));
+        }
+        match read(&bytes) {
+            Ok(()) => read_well += 1,
+            Err(Error::Format { .. } | Error::Invalid { .. }) => {}
+            Err(other) => panic!("{other}"),
+        }
+    }
+    assert!((100..2900).contains(&read_well), "{read_well}");
+}
+
+#[test]
+fn numbers_of_the_document_may_be_anything() {
+    let sound = rich();
+    let mut random = Random::new(78);
+    let strange = [
+        json!(-1),
+        json!(0),
+        json!(1),
+        json!(3),
+        json!(1e300),
+        json!(u64::MAX),
+        json!(0.5),
+        json!(null),
+        json!("x"),
+        json!([]),
+        json!({}),
+        json!(4_294_967_296u64),
+    ];
+    for _ in 0..3000 {
+        let mut file = sound.clone();
+        let mut at = &mut file.json;
+        // Down a random path, and something else in its place.
+        for depth in 0.. {
+            let count = at.as_array().map_or(0, Vec::len) + at.as_object().map_or(0, |o| o.len());
+            if count == 0 || (depth > 0 && random.index(9) == 0) {
+                break;
+            }
+            let k = random.index(count);
+            at = match at {
+                Value::Array(list) => &mut list[k],
+                Value::Object(map) => map.values_mut().nth(k).unwrap(),
+                _ => unreachable!(),
+            };
+        }
+        *at = strange[random.index(strange.len())].clone();
+        let _ = read(&file.glb());
+    }
+}
