@@ -18,8 +18,10 @@ pub struct HandleRegion {
     /// What the candidates are.
     pub place: HandlePlace,
     /// Only where one of these bones has the largest weight; none named: everywhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bones: Vec<String>,
     /// Only these skin vertices (`skin`) or nodes (`volume`); none named: all.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub vertices: Vec<u32>,
     /// Only where the body's map of this name ([`Body::painted`]) is above 0; its values weigh the density:
     /// handles stand twice as far apart where it is half as large.
@@ -27,6 +29,7 @@ pub struct HandleRegion {
     /// Only inside this box: lowest and highest corner in the reference shape, m.
     pub within: Option<[[f64; 3]; 2]>,
     /// The points themselves (`points`), in the reference shape, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<[f64; 3]>,
     /// How many, by farthest-point sampling.
     pub count: Option<usize>,

@@ -85,14 +85,22 @@ impl Arguments {
         } = source.read().map_err(|e| name_file(e, &self.file))?;
         let baked = bake(&body, &recipe, &mut progress::baking(&body.name));
         let recipe = self.recipe.as_ref().unwrap_or(&self.file);
-        let of_recipe = |field: &str| {
-            let keys = ["handles", "cubature", "mesher", "material", "truncation"];
-            keys.iter().any(|key| field.starts_with(key))
+        // Which of the recipe's tables a field of the bake's errors is in.
+        let table = |field: &str| {
+            let starts = |keys: &[&str]| keys.iter().any(|key| field.starts_with(key));
+            if starts(&["handles", "cubature", "mesher", "material", "truncation"]) {
+                Some("bake.")
+            } else if starts(&["thickness", "painted_thickness", "layers", "nodes", "cell"]) {
+                Some("bake.mesher.")
+            } else {
+                None
+            }
         };
         let named = baked.map_err(|e| match e {
-            Error::Invalid { field, problem } if of_recipe(&field) => {
-                Error::format(recipe, format!("bake.{field}"), problem)
-            }
+            Error::Invalid { field, problem } => match table(&field) {
+                Some(table) => Error::format(recipe, format!("{table}{field}"), problem),
+                None => Error::format(&self.file, field, problem),
+            },
             other => name_file(other, &self.file),
         });
         let (avatar, report) = named?;

@@ -3,7 +3,9 @@
 use super::print_table;
 use crate::Result;
 use crate::bake::mesh::SkinReport;
-use crate::load::{CharacterFile, CharacterFormat, CharacterOptions, read_character};
+use crate::load::{
+    CharacterFile, CharacterFormat, CharacterOptions, read_character, read_gltf_motions,
+};
 use serde::Serialize;
 use std::path::Path;
 
@@ -15,6 +17,8 @@ pub struct Preview {
     /// Size of the box around the skin, m.
     extent: [f64; 3],
     bones: Vec<String>,
+    /// Further names of bones: VRM's humanoid ones.
+    aliases: Vec<String>,
     skin: SkinReport,
     closed: bool,
     skin_volume: f64,
@@ -22,6 +26,7 @@ pub struct Preview {
     drawn_parts: Vec<String>,
     shapes: Vec<String>,
     pose_features: usize,
+    animations: Vec<Animation>,
     painted: Vec<String>,
     tets: usize,
     notes: Vec<String>,
@@ -35,6 +40,15 @@ struct Attached {
     follows_tissue: bool,
 }
 
+/// A motion in the file.
+#[derive(Serialize)]
+struct Animation {
+    name: String,
+    seconds: f64,
+    frames: usize,
+    bones: usize,
+}
+
 impl Preview {
     /// Reads the file at `path`.
     pub fn read(path: &Path) -> Result<Self> {
@@ -45,6 +59,10 @@ impl Preview {
             notes,
             ..
         } = read_character(path, &CharacterOptions::default())?;
+        let clips = match format {
+            CharacterFormat::Gltf => read_gltf_motions(path)?,
+            _ => Vec::new(),
+        };
         let skin = SkinReport::of(&body.skin)?;
         let (low, high) = body.skin.bounds();
         Ok(Self {
@@ -53,6 +71,9 @@ impl Preview {
             skin_volume: body.skin.volume(),
             name: body.name,
             extent: (high - low).to_array(),
+            aliases: (body.skeleton.aliases.iter())
+                .map(|(alias, bone)| format!("{alias} = {}", body.skeleton.names[*bone as usize]))
+                .collect(),
             bones: body.skeleton.names,
             skin,
             attachments: (body.attachments.into_iter())
@@ -65,6 +86,14 @@ impl Preview {
             drawn_parts: body.drawn.into_iter().map(|d| d.name).collect(),
             shapes,
             pose_features: body.pose_blend.features,
+            animations: (clips.into_iter())
+                .map(|clip| Animation {
+                    seconds: clip.duration(),
+                    frames: clip.frames.len(),
+                    bones: clip.bones.len(),
+                    name: clip.name,
+                })
+                .collect(),
             painted: body.painted.into_keys().collect(),
             tets: body.layer.mesh.tets.len(),
             notes,
@@ -94,6 +123,9 @@ impl Preview {
                 .into(),
             ),
         ];
+        if !self.aliases.is_empty() {
+            rows.push(("also called", list(&self.aliases)));
+        }
         if self.closed {
             rows.push(("encloses", format!("{:.3} l", 1e3 * self.skin_volume)));
         }
@@ -113,6 +145,16 @@ impl Preview {
         }
         rows.push(("shapes", list(&self.shapes)));
         rows.push(("pose columns", self.pose_features.to_string()));
+        for a in &self.animations {
+            let Animation {
+                seconds,
+                frames,
+                bones,
+                ..
+            } = a;
+            let told = format!("{}: {seconds:.2} s, {frames} frames, {bones} bones", a.name);
+            rows.push(("animation", told));
+        }
         if !self.painted.is_empty() {
             rows.push(("painted", list(&self.painted)));
         }

@@ -97,8 +97,60 @@ impl Arguments {
     }
 }
 
+/// What a recipe's lines mean, by how they begin.
+const COMMENTS: [(&str, &str); 14] = [
+    ("model =", "The character file."),
+    ("mesh =", "Tets around one bone."),
+    ("sample =", "A body that supple makes itself."),
+    (
+        "bones = \"",
+        "Closed surfaces of its bones: objects with their names.",
+    ),
+    (
+        "[painted]",
+        "Maps on the skin, by name: a number for each vertex of the model's file.",
+    ),
+    ("density =", "kg/m³, of tissue and bones."),
+    ("damping_time =", "Stiffness-proportional damping, s."),
+    (
+        "captured_under_gravity =",
+        "Whether the shape sags already, as a scanned body does.",
+    ),
+    (
+        "mesher =",
+        "auto, { lattice = { nodes = 20000 } } or { prism_shell = { thickness = 0.03 } } (m).",
+    ),
+    ("basis_energy =", "biharmonic or triharmonic."),
+    (
+        "[bake.material",
+        "Pa. Without it the bake chooses a tissue that sways visibly.",
+    ),
+    (
+        "[[bake.handles]]",
+        "Where handles stand: `count` or `spacing` (m) over `bones`, a `painted` map, `vertices` or `within` a box.",
+    ),
+    (
+        "[bake.truncation]",
+        "Values of the basis below `below` vanish, above `above` they stay.",
+    ),
+    ("[bake.cubature]", "Points that carry mass and elasticity."),
+];
+
+/// A recipe that explains itself.
 fn write_recipe(source: &AvatarSource, path: &Path) -> Result<()> {
-    let text = toml::to_string(source)
+    let text = toml::to_string_pretty(source)
         .map_err(|e| Error::invalid("recipe", format!("cannot be written as TOML: {e}")))?;
-    std::fs::write(path, text).map_err(|e| Error::io(path, e))
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut out = format!(
+        "# Bake it: supple bake {file}. Files lie beside this one; every key under [bake] may be left out.\n\n"
+    );
+    for line in text.lines() {
+        for (start, comment) in COMMENTS {
+            if line.starts_with(start) {
+                out += &format!("# {comment}\n");
+            }
+        }
+        out += &format!("{line}\n");
+    }
+    std::fs::write(path, out).map_err(|e| Error::io(path, e))
 }

@@ -34,14 +34,16 @@ pub struct AvatarSource {
     /// A character file of any kind that [`read_character`] knows.
     pub model: Option<PathBuf>,
     /// Shape parameters of `model`, in the file's order.
-    #[serde(alias = "shape")]
+    #[serde(alias = "shape", skip_serializing_if = "Vec::is_empty")]
     pub betas: Vec<f64>,
     /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
     pub bones: Option<PathBuf>,
     /// Maps painted on the skin, by name: `.npy` files, or `.npz` archives with an array of that name, with a number
     /// for each of the file's vertices. A region of handles may name one.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub painted: BTreeMap<String, PathBuf>,
     /// Bones that the regions of `mesh` are, by its labels; a label that is a bone's name needs no entry.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub regions: BTreeMap<String, String>,
     /// The size of the file's unit, m: 0.01 for centimetres. 1 if not given.
     pub scale: Option<f64>,
