@@ -31,13 +31,20 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         let centre = m.surface.positions.iter().sum::<DVec3>() / m.surface.positions.len() as f64;
         (m.surface.positions.iter()).all(|p| (*p - centre).length() < HALF_SPACE_EXTENT)
     };
-    let framed: Vec<DVec3> = scenes
+    let travels: Vec<DVec3> = snapshots
         .iter()
-        .flat_map(|meshes| {
-            let (skin, colliders) = meshes.split_at(meshes.len().min(1));
-            skin.iter().chain(colliders.iter().filter(bounded))
+        .map(|s| match output.follow {
+            // Over the ground: what stands on it does so at one height in all pictures.
+            true => (middle(&s.skin) - middle(&snapshots[0].skin)).reject_from(DVec3::Z),
+            false => DVec3::ZERO,
         })
-        .flat_map(|m| m.surface.positions.iter().copied())
+        .collect();
+    let framed: Vec<DVec3> = (scenes.iter().zip(&travels))
+        .flat_map(|(meshes, travel)| {
+            let (skin, colliders) = meshes.split_at(meshes.len().min(1));
+            let shown = skin.iter().chain(colliders.iter().filter(bounded));
+            shown.flat_map(move |m| m.surface.positions.iter().map(move |p| *p - *travel))
+        })
         .collect();
     let aspect = width as f64 / height as f64;
     let camera = Camera::framing(&framed, output.view, DVec3::Z, aspect);
@@ -48,14 +55,19 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         }),
         ..View::new(camera, width, height)
     };
-    let panel = |(snapshot, meshes): (&Snapshot, &Vec<Mesh>)| {
+    let panel = |((snapshot, meshes), travel): ((&Snapshot, &Vec<Mesh>), &DVec3)| {
         let frame = |points: &[DVec3]| {
             let direction = snapshot.panel.view.unwrap_or(output.view);
             Camera::framing(points, direction, DVec3::Z, aspect)
         };
+        let going_along = |camera: Camera| Camera {
+            eye: camera.eye + *travel,
+            target: camera.target + *travel,
+            ..camera
+        };
         let camera = match (snapshot.panel.focus, snapshot.panel.view) {
-            (None, None) => camera,
-            (None, Some(_)) => frame(&framed),
+            (None, None) => going_along(camera),
+            (None, Some(_)) => going_along(frame(&framed)),
             (Some(Focus { point, radius }), _) => frame(&corners(point, radius)),
         };
         let view = View {
@@ -68,7 +80,9 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         }
     };
     let strip = Strip {
-        panels: snapshots.iter().zip(&scenes).map(panel).collect(),
+        panels: (snapshots.iter().zip(&scenes).zip(&travels))
+            .map(panel)
+            .collect(),
         legend: Some(Legend {
             title: "unposed displacement (mm)".into(),
             maximum: 1e3 * maximum,
@@ -76,6 +90,10 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         key: Vec::new(),
     };
     strip.compose(view.background)
+}
+
+fn middle(points: &[DVec3]) -> DVec3 {
+    points.iter().sum::<DVec3>() / points.len().max(1) as f64
 }
 
 /// Corners of the cube in a ball.

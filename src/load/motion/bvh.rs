@@ -235,7 +235,7 @@ fn unique(name: String, taken: &mut HashSet<String>) -> String {
 fn motion(lines: &mut Lines<'_>, channels: usize) -> Result<(f64, Vec<f64>)> {
     let announced = lines.entry("Frames")?;
     let frame_time = lines.entry("Frame Time")?;
-    if !(frame_time > 0.0) {
+    if frame_time <= 0.0 {
         return Err(lines.broken("Frame Time must be positive (s)"));
     }
     let mut numbers = Vec::new();

@@ -145,6 +145,8 @@ pub struct Output {
     pub panels: Vec<PanelTime>,
     /// Direction in which the camera looks.
     pub view: DVec3,
+    /// Whether the camera goes with the avatar from picture to picture.
+    pub follow: bool,
     /// Pixels of a panel.
     pub panel_size: [usize; 2],
     /// Opens the skin: what lies in direction `normal` of `point` is not drawn.
@@ -197,6 +199,7 @@ impl Default for Output {
         Self {
             panels: Vec::new(),
             view: DVec3::new(-0.5, 1.0, -0.5),
+            follow: false,
             panel_size: [640, 560],
             cut: None,
             legend_mm: None,
