@@ -14,9 +14,11 @@ use std::f64::consts::TAU;
 const BONES_PER_POINT: usize = 4;
 const HANDLES_PER_POINT: usize = 10;
 const HANDLES_PER_VERTEX: usize = 5;
+/// Skin vertices that are attached, without area.
+const ATTACHED: usize = 3;
 
 /// An avatar about 0.1 m in size. The skin is a closed torus of `vertices` (at least 12) vertices, and
-/// everything carries pose blend shapes and damping.
+/// everything carries pose blend shapes and damping. Its last three vertices are attached.
 pub fn random_avatar(
     seed: u64,
     bones: usize,
@@ -39,17 +41,20 @@ pub fn random_avatar(
     let positions = (0..points).map(|_| random.vector(0.05)).collect();
     let cubature = point_set(random, positions, bones, handles, HANDLES_PER_POINT, 1e-4);
     let (positions, triangles) = torus(vertices.max(12));
-    let skin = point_set(random, positions, bones, handles, HANDLES_PER_VERTEX, 0.03);
+    let mut skin = point_set(random, positions, bones, handles, HANDLES_PER_VERTEX, 0.03);
+    let tissue = skin.len() - ATTACHED;
+    skin.measure[tissue..].fill(0.0);
+    let followed = |k: usize| (0..k as u32).map(|v| (v, 0.4));
     Avatar {
         name: format!("random {seed}"),
         skeleton,
         bone_masses,
         handles: handle_positions,
         cubature,
-        layer: layer(random, bones, handles, skin.len()),
+        layer: layer(random, bones, handles, tissue),
         skin,
         triangles,
-        attached: Rows::default(),
+        attached: (0..ATTACHED).map(followed).collect(),
         drawn: Vec::new(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 3e4,

@@ -1,6 +1,7 @@
 //! glTF and VRM in: every feature against an evaluation of its own, made from the file's JSON alone.
 
 mod assets;
+mod attachments;
 mod evaluation;
 mod fixture;
 mod malformed;
