@@ -37,7 +37,11 @@ pub fn contact(scene: &Scene) -> Outcome {
             let p = contact_twin::contact_point(skinning, scene.joints(), &frames, t);
             let abs_p = abs_position(scene, phase, slot, set, i, rest[i]);
             for (k, collider) in scene.colliders.iter().enumerate() {
-                let want = contact_twin::contact(p, collider);
+                // A vertex without an area touches nothing.
+                let want = match set.measure[i] {
+                    0.0 => Candidate::default(),
+                    _ => contact_twin::contact(p, collider),
+                };
                 let [x, y, z, depth] = got[i * scene.colliders.len() + k];
                 let sizes = collider.shape.parameters().iter().sum::<f32>();
                 let to_local = abs(collider.frame.rotation.transpose());

@@ -1,6 +1,7 @@
 //! The binary part of a GLB file and the accessors into it.
 
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 const UNSIGNED_BYTE: u32 = 5121;
 const UNSIGNED_SHORT: u32 = 5123;
@@ -13,6 +14,8 @@ pub(super) struct Buffer {
     pub bytes: Vec<u8>,
     pub views: Vec<Value>,
     pub accessors: Vec<Value>,
+    /// Accessors of vectors that are all 0, by their number.
+    zeros: BTreeMap<usize, usize>,
 }
 
 impl Buffer {
@@ -44,8 +47,8 @@ impl Buffer {
 
     /// Three floats an element that are 0 but for a few; those whose three are all within ±`threshold`
     /// are left out.
-    pub fn sparse_vectors(&mut self, values: &[[f32; 3]], threshold: f32) -> usize {
-        let kept: Vec<u32> = (0..values.len() as u32)
+    pub fn sparse_vectors(&mut self, mut values: &[[f32; 3]], threshold: f32) -> usize {
+        let mut kept: Vec<u32> = (0..values.len() as u32)
             .filter(|&v| values[v as usize].iter().any(|c| c.abs() > threshold))
             .collect();
         let count = values.len();
@@ -53,23 +56,29 @@ impl Buffer {
         if kept.len() * 4 > count * 3 {
             return self.floats("VEC3", values);
         }
+        if kept.is_empty() {
+            if let Some(zeros) = self.zeros.get(&count) {
+                return *zeros;
+            }
+            // Readers differ on accessors that name no bytes at all.
+            kept.push(0);
+            values = &[[0.0; 3]];
+            self.zeros.insert(count, self.accessors.len());
+        }
         let zero = (kept.len() < count).then_some([0.0; 3]);
         let (low, high) = bounds(kept.iter().map(|v| values[*v as usize]).chain(zero));
-        let mut accessor = json!({
+        let (indices, kind) = self.indices(&kept);
+        let data = kept.iter().flat_map(|v| values[*v as usize]);
+        let data = self.view(data.flat_map(f32::to_le_bytes));
+        self.accessor(json!({
             "componentType": FLOAT, "count": count, "type": "VEC3",
             "min": low.to_vec(), "max": high.to_vec(),
-        });
-        if !kept.is_empty() {
-            let (indices, kind) = self.indices(&kept);
-            let data = kept.iter().flat_map(|v| values[*v as usize]);
-            let data = self.view(data.flat_map(f32::to_le_bytes));
-            accessor["sparse"] = json!({
+            "sparse": {
                 "count": kept.len(),
                 "indices": {"bufferView": indices, "componentType": kind},
                 "values": {"bufferView": data},
-            });
-        }
-        self.accessor(accessor)
+            },
+        }))
     }
 
     /// Vertex indices of triangles.
