@@ -8,7 +8,7 @@ use crate::material::{Material, StableNeoHookean};
 /// follows the slowest ways in which the layer can sway.
 const SPACING: f64 = 2.25;
 /// So many automatic handles at least and at most: 100 handles and 24 bones step in real time on one core.
-const HANDLES: (usize, usize) = (40, 100);
+const HANDLES: (usize, usize) = (60, 100);
 
 /// Handles over what is soft, spaced by the layer's depth.
 pub(super) fn handle_region(softness: &Softness) -> HandleRegion {

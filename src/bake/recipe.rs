@@ -22,7 +22,7 @@ pub struct Recipe {
     pub bones_per_point: usize,
     /// How the layer is meshed, where the body comes without one.
     pub mesher: Mesher,
-    /// Where handles stand. Without any they stand over what is soft, 40 to 100 of them by area and depth.
+    /// Where handles stand. Without any they stand over what is soft, 60 to 100 of them by area and depth.
     pub handles: Vec<HandleRegion>,
     /// What the basis minimises: `biharmonic` (k = 2) or `triharmonic` (k = 3).
     pub basis_energy: BasisEnergy,

@@ -207,8 +207,8 @@ impl CharacterFile {
     /// vertex attribute there.
     pub fn paint(&mut self, name: &str, map: &[f64]) -> Result<()> {
         if self.file_vertices.is_empty() {
-            let problem = "vertices of a glTF file are welded: paint a vertex attribute in the file itself, `_NAME` or a \
-                           colour";
+            let problem = "vertices of a glTF file are welded: paint a scalar vertex attribute `_NAME` or a colour \
+                           in the file itself";
             return Err(Error::invalid(format!("painted.{name}"), problem));
         }
         if map.len() != self.file_vertex_count {

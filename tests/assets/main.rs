@@ -127,7 +127,7 @@ fn no_file_of_the_folder_is_left_out() {
 
 #[test]
 fn generated_bodies() {
-    for sample in [Sample::Hand, Sample::Finger] {
+    for sample in [Sample::Body, Sample::Hand, Sample::Finger] {
         let (mut body, _) = AvatarSource::of_sample(sample).body().unwrap();
         // As a file without bones or layer would bring it.
         body.bone_surfaces.clear();

@@ -294,7 +294,12 @@ fn painted_attributes_are_maps_of_the_skin() {
     let values: Vec<[f32; 1]> = bar.along.iter().map(|s| [*s as f32]).collect();
     let accessor = file.floats("SCALAR", &values);
     primitive(&mut file)["attributes"]["_SOFT"] = json!(accessor);
+    let colours: Vec<[f32; 3]> = bar.along.iter().map(|s| [0.5, *s as f32, 1.0]).collect();
+    let colours = file.floats("VEC3", &colours);
+    primitive(&mut file)["attributes"]["COLOR_0"] = json!(colours);
     let body = check_rest(&file.glb());
     let expected: Vec<f64> = values.iter().map(|[s]| f64::from(*s)).collect();
     assert_eq!(body.painted["soft"], expected);
+    assert_eq!(body.painted["color_0.g"], expected);
+    assert!(body.painted["color_0.r"].iter().all(|r| *r == 0.5));
 }

@@ -149,18 +149,29 @@ impl Reader<'_> {
         Ok(used.pick(&all).map(|uv| uv.map(|c| c as f32)).collect())
     }
 
-    /// Scalars of attributes whose names begin with an underscore.
+    /// Scalars of attributes whose names begin with an underscore, and the channels of vertex colours: `_SOFT` is the
+    /// map `soft`, the red of `COLOR_0` is `color_0.r`.
     fn painted(&self, count: usize, used: &Used) -> Result<BTreeMap<String, Vec<f64>>> {
         let mut painted = BTreeMap::new();
         for (name, &accessor) in &self.primitive.attributes {
             let found = self.file.document.accessors.get(accessor);
-            let Some(own) = name.strip_prefix('_').filter(|n| !n.is_empty()) else {
-                continue;
-            };
-            if found.is_some_and(|a| a.kind == "SCALAR") {
-                let all = self.attribute::<1>((name, accessor), count)?;
-                let values = used.pick(&all).map(|[v]| v).collect();
-                painted.insert(own.to_lowercase(), values);
+            let kind = found.map_or("", |a| a.kind.as_str());
+            let own = name.strip_prefix('_').filter(|n| !n.is_empty());
+            match own {
+                Some(own) if kind == "SCALAR" => {
+                    let all = self.attribute::<1>((name, accessor), count)?;
+                    let values = used.pick(&all).map(|[v]| v).collect();
+                    painted.insert(own.to_lowercase(), values);
+                }
+                None if name.starts_with("COLOR_") && kind == "VEC3" => {
+                    let all = self.attribute::<3>((name, accessor), count)?;
+                    painted.extend(channels(name, &all, used));
+                }
+                None if name.starts_with("COLOR_") && kind == "VEC4" => {
+                    let all = self.attribute::<4>((name, accessor), count)?;
+                    painted.extend(channels(name, &all, used));
+                }
+                _ => {}
             }
         }
         Ok(painted)
@@ -297,4 +308,17 @@ impl Used {
         let number = |v: u32| self.number[v as usize];
         triangles.iter().map(|t| t.map(number)).collect()
     }
+}
+
+/// A map for each channel of a vertex colour.
+fn channels<const N: usize>(
+    name: &str,
+    colours: &[[f64; N]],
+    used: &Used,
+) -> Vec<(String, Vec<f64>)> {
+    let of = |(channel, letter): (usize, char)| {
+        let values = used.pick(colours).map(|c| c[channel]).collect();
+        (format!("{}.{letter}", name.to_lowercase()), values)
+    };
+    (0..N).zip(['r', 'g', 'b', 'a']).map(of).collect()
 }
