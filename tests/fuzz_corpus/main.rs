@@ -104,3 +104,34 @@ fn a_parser_that_breaks_a_bound_is_caught() {
         .all(|b| *b == 1)));
     assert!(!caught(|bytes| bytes.len() == 8));
 }
+
+/// The same files as a start for cargo-fuzz.
+#[test]
+#[ignore = "writes fuzz/corpus, for `cargo fuzz run`"]
+fn write_seeds() {
+    let of_targets = [
+        ("smpl", formats::smpl_npz()),
+        ("smpl", formats::pickle()),
+        ("npy", formats::amass_npy_inside()),
+        ("obj", formats::obj()),
+        ("gltf", formats::gltf()),
+        ("tets", formats::tets()),
+        ("tetgen", formats::tetgen()),
+        ("bvh", formats::bvh()),
+        ("amass", formats::amass()),
+        ("pose", formats::pose()),
+        ("pose_stream", formats::pose_stream()),
+        ("baked", formats::baked()),
+        ("scene", formats::scene()),
+        ("scene", formats::recipe()),
+    ];
+    for (target, format) in of_targets {
+        let folder = std::path::Path::new("fuzz/corpus").join(target);
+        std::fs::create_dir_all(&folder).unwrap();
+        for (i, seed) in format.seeds.iter().enumerate() {
+            // The target writes the baked file's header itself.
+            let seed = if target == "baked" { &seed[24..] } else { seed };
+            std::fs::write(folder.join(format!("{}_{i}", format.name)), seed).unwrap();
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! AMASS.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use std::path::Path;
+
+fuzz_target!(|bytes: &[u8]| {
+    let _ = supple::load::motion::parse_amass(bytes, Path::new("fuzz"));
+});

@@ -1,0 +1,11 @@
+//! glTF and VRM: the body and the animations.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(character) = supple::load::parse_gltf(bytes, "nowhere/fuzz") {
+        let _ = character.body(&[0.5]);
+    }
+    let _ = supple::load::parse_gltf_motions(bytes, "nowhere/fuzz");
+});

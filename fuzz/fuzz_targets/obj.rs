@@ -1,0 +1,9 @@
+//! Wavefront OBJ.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use std::path::Path;
+
+fuzz_target!(|bytes: &[u8]| {
+    let _ = supple::load::parse_obj(bytes, Path::new("fuzz"));
+});
