@@ -14,6 +14,7 @@ mod painted;
 mod pickle;
 pub mod scene;
 mod smpl;
+mod surface_parts;
 mod tet_mesh;
 mod tissue;
 mod weld;

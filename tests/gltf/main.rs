@@ -2,6 +2,7 @@
 
 mod assets;
 mod attachments;
+mod damaged;
 mod evaluation;
 mod fixture;
 mod malformed;

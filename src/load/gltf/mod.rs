@@ -6,13 +6,16 @@
 mod accessor;
 mod animation;
 mod assemble;
+mod bone_tree;
 mod character;
 mod container;
 mod document;
 mod nodes;
 mod primitive;
+mod reference_part;
 mod rig;
 mod sampler;
+mod triangles;
 mod vrm;
 mod webxr;
 

@@ -13,17 +13,14 @@
 //! The rest pose is so met exactly, for whatever skins share bones. Where the file's bind pose and rest
 //! pose differ by rotations of bones alone, as they should, so is every other pose, and X = G v.
 
+use super::bone_tree::BoneTree;
 use super::container::File;
 use super::nodes::{Nodes, similarity};
 use super::primitive::Part;
-use super::webxr;
 use crate::Result;
-use crate::model::{Frame, Skeleton, SkinWeight};
+use crate::model::{Frame, Skeleton};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// B is not inverted below this determinant: bones turned against each other by more than 150° meet.
-const LEAST_DETERMINANT: f64 = 0.05;
 
 /// More bones than any character has; each has six degrees of freedom.
 const MOST_BONES: usize = 1024;
@@ -38,30 +35,18 @@ pub(super) struct Rig {
     pub bone_of_node: Vec<Option<u32>>,
     /// R and c of each bone in the file's rest pose.
     pub rest: Vec<Frame>,
-    skins: BTreeMap<usize, BoundSkin>,
+    pub skins: BTreeMap<usize, BoundSkin>,
 }
 
 /// A skin whose joints are bones.
 #[derive(Debug)]
-struct BoundSkin {
+pub(super) struct BoundSkin {
     /// Bone of each joint.
-    bones: Vec<u32>,
+    pub bones: Vec<u32>,
     /// M_j at rest, of each joint.
-    skinning: Vec<DAffine3>,
+    pub skinning: Vec<DAffine3>,
     /// G: what takes the mesh to the reference shape, if it is the same for all joints.
-    reference: DAffine3,
-}
-
-/// Where a part's vertices are in the reference shape.
-pub(super) struct ReferencePart {
-    pub positions: Vec<DVec3>,
-    pub skinning: Vec<Vec<SkinWeight>>,
-    /// What each vertex's displacements are multiplied with.
-    pub linear: Vec<DMat3>,
-    /// Whether the node mirrors: its triangles are wound the other way round then (§3.7.4).
-    pub mirrored: bool,
-    /// Vertices whose weights cancel at rest: their place is that of the bind pose.
-    pub cancelled: usize,
+    pub reference: DAffine3,
 }
 
 impl Rig {
@@ -206,63 +191,10 @@ impl Rig {
             false => up.find_map(|n| self.bone_of_node[n]),
         }
     }
-
-    /// The part's vertices in the reference shape; nothing where no bone moves them.
-    pub fn place(&self, nodes: &Nodes, part: &Part) -> Option<ReferencePart> {
-        let skin = part.skin.and_then(|s| self.skins.get(&s));
-        let world = nodes.rest_world[part.node];
-        let above = match skin {
-            Some(_) => None,
-            None => Some(self.bone_above(nodes, part.node)?),
-        };
-        let mut out = ReferencePart {
-            positions: Vec::new(),
-            skinning: Vec::new(),
-            linear: Vec::new(),
-            mirrored: world.matrix3.determinant() < 0.0,
-            cancelled: 0,
-        };
-        for (v, row) in part.positions.iter().zip(part.influences.iter()) {
-            let mut skinning: Vec<SkinWeight> = Vec::with_capacity(row.len().max(1));
-            // Σ w M of the file, and Σ w (R, c − R J) of this crate.
-            let (mut file, mut own) = (DMat4::ZERO, DMat4::ZERO);
-            let mut add = |bone: u32, weight: f64, matrix: DAffine3| {
-                let (frame, joint) = (
-                    self.rest[bone as usize],
-                    self.skeleton.joints[bone as usize],
-                );
-                file += weight * DMat4::from(matrix);
-                own += weight * DMat4::from(rest_transform(&frame, joint));
-                match skinning.iter_mut().find(|s| s.bone == bone) {
-                    Some(same) => same.weight += weight,
-                    None => skinning.push(SkinWeight { bone, weight }),
-                }
-            };
-            match (skin, above) {
-                (Some(skin), _) => row.iter().for_each(|&(joint, w)| {
-                    let joint = joint as usize;
-                    add(skin.bones[joint], w, skin.skinning[joint]);
-                }),
-                (None, bone) => add(bone.unwrap_or(0), 1.0, world),
-            }
-            let (file, own) = (DAffine3::from_mat4(file), DAffine3::from_mat4(own));
-            let map = if own.matrix3.determinant() > LEAST_DETERMINANT {
-                own.inverse() * file
-            } else {
-                out.cancelled += 1;
-                skin.map_or(world, |s| s.reference)
-            };
-            skinning.sort_by_key(|s| s.bone);
-            out.positions.push(map.transform_point3(*v));
-            out.linear.push(map.matrix3);
-            out.skinning.push(skinning);
-        }
-        Some(out)
-    }
 }
 
 /// x = R (X − J) + c.
-fn rest_transform(frame: &Frame, joint: DVec3) -> DAffine3 {
+pub(super) fn rest_transform(frame: &Frame, joint: DVec3) -> DAffine3 {
     DAffine3 {
         matrix3: frame.rotation,
         translation: frame.position - frame.rotation * joint,
@@ -279,66 +211,6 @@ fn joints_of(rest: &[Frame], parents: &[Option<u32>]) -> Vec<DVec3> {
         });
     }
     joints
-}
-
-/// Bones, parents before children, with one root.
-struct BoneTree {
-    nodes: Vec<usize>,
-    parents: Vec<Option<u32>>,
-}
-
-impl BoneTree {
-    /// A bone's parent is the nearest joint above it. Joints with none above them hang on the one of
-    /// them that carries most weight with what is below it; those of a WebXR hand are often siblings
-    /// and get the hierarchy that their names imply.
-    fn new(file: &File, nodes: &Nodes, is_joint: &BTreeSet<usize>, weight: &[f64]) -> Option<Self> {
-        let mut above: BTreeMap<usize, Option<usize>> = BTreeMap::new();
-        for &n in is_joint {
-            above.insert(n, nodes.upward(n).skip(1).find(|a| is_joint.contains(a)));
-        }
-        if above.values().filter(|a| a.is_none()).count() > 1 {
-            let names = file.document.nodes.iter().map(|n| n.name.as_deref());
-            let pairs = webxr::parents(&names.collect::<Vec<_>>(), is_joint);
-            // Only where none has a parent: a mixture could close a ring.
-            if (pairs.iter())
-                .all(|(child, parent)| [child, parent].iter().all(|n| above[n].is_none()))
-            {
-                above.extend(pairs.iter().map(|&(child, parent)| (child, Some(parent))));
-            }
-        }
-        let mut carried = weight.to_vec();
-        let mut order: Vec<usize> = Vec::new();
-        for &n in nodes.order.iter().rev().filter(|n| is_joint.contains(n)) {
-            order.push(n);
-            if let Some(p) = above[&n] {
-                carried[p] += carried[n];
-            }
-        }
-        let roots = order.iter().rev().copied().filter(|n| above[n].is_none());
-        let root = roots.reduce(|best, n| if carried[n] > carried[best] { n } else { best })?;
-
-        let mut sorted = vec![root];
-        let mut children: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for &n in order.iter().rev().filter(|&&n| n != root) {
-            children
-                .entry(above[&n].unwrap_or(root))
-                .or_default()
-                .push(n);
-        }
-        let mut parents = vec![None];
-        let mut next = 0;
-        while let Some(n) = sorted.get(next) {
-            for &child in children.get(n).into_iter().flatten() {
-                sorted.push(child);
-                parents.push(Some(next as u32));
-            }
-            next += 1;
-        }
-        Some(Self {
-            nodes: sorted,
-            parents,
-        })
-    }
 }
 
 /// A file without a skin is one rigid bone where its first mesh stands.
