@@ -53,6 +53,7 @@ const MUTANTS: &[Mutant] = &[
     ("elasticity", "shared/tensor.wgsl", "c.c10 * a[0] + c.c11 * a[1] + a[2] * c.c21", "c.c10 * a[0] + c.c11 * a[1] + c.c21 * a[2]"),
     // contact
     ("contact", "contact.wgsl", "(p - collider.position) * collider.rotation", "collider.rotation * (p - collider.position)"),
+    ("contact", "contact.wgsl", "point.measure == 0.0", "point.measure < 0.0"),
     ("contact", "contact.wgsl", "collider.margin - d.distance", "d.distance - collider.margin"),
     ("contact", "contact.wgsl", "vec4(collider.rotation * d.normal", "vec4(d.normal"),
     ("contact", "contact.wgsl", "colliders[state.instance * constants.colliders + k]", "colliders[k]"),

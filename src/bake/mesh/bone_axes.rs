@@ -7,8 +7,7 @@
 
 use super::bone_nodes::closest_point;
 use super::sound_skin::SoundSkin;
-use super::winding::winding_number;
-use crate::math::{Rows, par_map};
+use crate::math::{Rows, par_map, winding_number};
 use crate::model::{Skeleton, SkinWeight, Surface};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};

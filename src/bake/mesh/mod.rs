@@ -22,7 +22,6 @@ mod self_intersections;
 mod skin_points;
 mod sound_skin;
 mod thickness;
-mod winding;
 
 pub(crate) use disjoint_sets::DisjointSets;
 pub use lattice::{LatticeSize, lattice};

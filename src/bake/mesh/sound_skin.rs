@@ -5,7 +5,7 @@
 use super::disjoint_sets::DisjointSets;
 use super::report::{Hole, SkinReport};
 use super::self_intersections::self_intersections;
-use super::winding::winding_number;
+use crate::math::winding_number;
 use crate::model::Surface;
 use crate::{Error, Result};
 use glam::DVec3;
