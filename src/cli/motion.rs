@@ -1,10 +1,11 @@
 //! `supple motion`.
 
 use super::{print, print_table};
-use crate::export::{Figure, motion_strip};
+use crate::export::{Figure, clip_as_poses, motion_strip, pose_header_line, pose_line};
 use crate::load::avatar_source_of;
-use crate::load::motion::{Playback, TrackedMotion, read_motion};
-use crate::model::Skeleton;
+use crate::load::motion::{Playback, TrackedMotion, read_motion, read_pose};
+use crate::model::{MotionClip, Skeleton};
+use crate::motion::{BonePoses, PoseHeader};
 use crate::{Error, Result};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -12,8 +13,12 @@ use std::path::PathBuf;
 /// Arguments of `supple motion`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A motion: .bvh, .npz (AMASS), .glb, .jsonl, .js or .json.
-    file: PathBuf,
+    /// A motion: .bvh, .npz (AMASS), .glb, .jsonl, .js or .json. Several poses (.js, .json) make a stream.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Write it to stdout as a stream of poses, JSON lines; poses come --every so many seconds [default: 1].
+    #[arg(long)]
+    jsonl: bool,
     /// A character, recipe or scene that follows it; says which bones are mapped.
     #[arg(long)]
     avatar: Option<PathBuf>,
@@ -36,9 +41,17 @@ impl Arguments {
     pub fn run(self) -> Result<()> {
         let motion = TrackedMotion {
             clip: self.clip.clone(),
-            ..TrackedMotion::of_file(&self.file)
+            ..TrackedMotion::of_file(&self.files[0])
         };
         let clip = read_motion(&motion)?;
+        if self.jsonl {
+            return self.write_lines(clip);
+        }
+        if self.files.len() > 1 {
+            let problem =
+                "several make a stream: add --jsonl, and give that to simulate --motion -";
+            return Err(Error::invalid("FILES", problem));
+        }
         if let Some(clip) = &clip {
             print_table([
                 ("motion", clip.name.clone()),
@@ -97,6 +110,30 @@ impl Arguments {
         let view = DVec3::new(-0.8, 0.6, -0.15);
         motion_strip(&figure, &poses, view, DVec3::Z, [240, 420]).write_png(output)?;
         print(format_args!("written to {}", output.display()));
+        Ok(())
+    }
+    /// A clip, or poses one after the other.
+    fn write_lines(&self, clip: Option<MotionClip>) -> Result<()> {
+        let (header, poses) = match clip {
+            Some(clip) => clip_as_poses(&clip)?,
+            None => {
+                let mut header = PoseHeader::default();
+                let mut poses = Vec::new();
+                for (k, path) in self.files.iter().enumerate() {
+                    let (its, pose) = read_pose(path)?;
+                    header = its;
+                    let time = self.every.unwrap_or(1.0) * k as f64;
+                    poses.push(BonePoses { time, ..pose });
+                }
+                (header, poses)
+            }
+        };
+        let lines: String = poses.iter().map(pose_line).collect();
+        print(format_args!(
+            "{}{}",
+            pose_header_line(&header),
+            lines.trim_end()
+        ));
         Ok(())
     }
 }

@@ -3,11 +3,12 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use supple::Error;
-use supple::export::bvh_text;
+use supple::export::{bvh_text, clip_as_poses, pose_header_line, pose_line};
 use supple::glam::{DQuat, DVec3};
-use supple::load::motion::{BvhOptions, Unit, parse_bvh, parse_pose, read_amass};
-use supple::math::{Random, rotation_exp};
+use supple::load::motion::{BvhOptions, PoseParser, Unit, parse_bvh, parse_pose, read_amass};
+use supple::math::{Random, rotation_exp, rotation_log};
 use supple::model::UpAxis;
+use supple::motion::{ClipOptions, ClipPlayer, PoseOptions, PosePlayer};
 use supple::sample::walk;
 
 /// Two joints with different orders of rotation, a position channel on the inner one, names with spaces,
@@ -268,4 +269,34 @@ fn a_broken_amass_names_its_key() {
         "poses",
         "element 5",
     );
+}
+
+/// A clip that goes out as a stream and comes back says the same of an avatar.
+#[test]
+fn a_stream_of_a_clip_is_the_clip() {
+    let clip = walk();
+    let (header, poses) = clip_as_poses(&clip).unwrap();
+    let mut parser = PoseParser::new("walk.jsonl");
+    parser.push(pose_header_line(&header).as_bytes()).unwrap();
+    for pose in &poses {
+        parser.push(pose_line(pose).as_bytes()).unwrap();
+    }
+    assert_eq!(parser.header().rest.len(), clip.bones.len());
+    let skeleton = crate::retarget::smpl();
+    let first = parser.next_pose().unwrap();
+    let mut player = PosePlayer::new(header, &first, &skeleton, &PoseOptions::default()).unwrap();
+    let mut direct = ClipPlayer::new(clip, &skeleton, &ClipOptions::default()).unwrap();
+    let standing = direct.frames(0.0);
+    player.stand_at(&standing);
+    direct.stand_at(&standing);
+    for k in 0..50 {
+        let time = 0.037 * f64::from(k);
+        let streamed = player.frames(time, &mut || Ok(parser.next_pose())).unwrap();
+        for (a, b) in streamed.iter().zip(direct.frames(time)) {
+            let turned = rotation_log(a.rotation * b.rotation.transpose()).length();
+            // Between frames one blends world rotations, the other those to the parent.
+            assert!(turned < 0.02, "{turned}");
+            assert!((a.position.truncate() - b.position.truncate()).length() < 2e-3);
+        }
+    }
 }

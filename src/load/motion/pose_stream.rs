@@ -113,7 +113,10 @@ impl PoseParser {
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Ok(());
         }
-        let line: Line = serde_json::from_slice(&bytes).map_err(|e| self.broken(e.to_string()))?;
+        let line: Line = serde_json::from_slice(&bytes).map_err(|e| {
+            // The line is ours, not that of the piece of JSON.
+            self.broken(e.to_string().replace(" at line 1 column ", " at column "))
+        })?;
         match (line.time, line.bones) {
             (Some(time), Some(bones)) => {
                 if line.up.is_some() || line.unit.is_some() || line.rest.is_some() {
