@@ -105,7 +105,7 @@ pub fn bake(
         Cubature::all_tets(tissue)
     } else {
         let count = recipe.points_for(handles.positions.len());
-        Cubature::sampled(tissue, count, &basis)?
+        Cubature::sampled(tissue, recipe.cubature.method, count, &basis)?
     };
 
     clock.start(4);

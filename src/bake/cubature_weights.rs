@@ -59,6 +59,16 @@ impl Moments {
         moments
     }
 
+    /// Volume and first moment alone.
+    pub fn exact_only(&self) -> Self {
+        let exact = |row: &[(u32, f64)]| row[..EXACT].to_vec();
+        Self {
+            rows: self.rows.iter().map(exact).collect(),
+            target: self.target[..EXACT].to_vec(),
+            slack: self.slack[..EXACT].to_vec(),
+        }
+    }
+
     /// Σ w g − target.
     fn errors(&self, weights: &[f64]) -> Vec<f64> {
         let mut errors: Vec<f64> = self.target.iter().map(|t| -t).collect();

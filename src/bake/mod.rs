@@ -1,7 +1,7 @@
 //! Offline: mesh → basis → cubature → one baked avatar.
 //!
 //! The phases, each a file: skin weights inside the layer (`interior`), handles (`handles`) and their
-//! biharmonic basis (`biharmonic_energy`, `biharmonic`, `truncation`), cubature (`cubature`, `cubature_weights`), values at the points
+//! biharmonic basis (`biharmonic_energy`, `biharmonic`, `truncation`), cubature (`cubature` and its files), values at the points
 //! (`points`), bone masses (`bone_mass`). [`bake`] strings them together by a [`Recipe`], and `file`
 //! keeps the result.
 
@@ -14,6 +14,8 @@ mod biharmonic_energy;
 mod bone_mass;
 mod core_volume;
 mod cubature;
+mod cubature_points;
+mod cubature_prior;
 mod cubature_weights;
 mod file;
 mod full_space;
@@ -34,7 +36,7 @@ pub use bake::{PHASES, Progress, bake};
 pub use biharmonic::{BiharmonicSystem, Constraints};
 pub use biharmonic_energy::{BasisEnergy, biharmonic_energy};
 pub use bone_mass::{BoneMassReport, bone_masses, surface_mass};
-pub use cubature::{Cubature, CubatureReport, Tissue};
+pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
 pub use file::{Baked, from_bytes, read_avatar, read_baked, to_bytes, write_avatar, write_baked};
 pub use full_space::{all_tets, full_space};
 pub use handles::{HandlePlace, HandleRegion, Handles};

@@ -1,6 +1,6 @@
 //! What a bake is asked for.
 
-use super::{BasisEnergy, HandleRegion, Mesher, Truncation};
+use super::{BasisEnergy, CubatureMethod, HandleRegion, Mesher, Truncation};
 use crate::material::Material;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,8 @@ pub struct CubatureRecipe {
     pub points: Option<usize>,
     /// Every tet becomes a point.
     pub all_tets: bool,
+    /// How points are placed and weighted.
+    pub method: CubatureMethod,
 }
 
 impl Default for CubatureRecipe {
@@ -50,6 +52,7 @@ impl Default for CubatureRecipe {
             points_per_handle: 10.0,
             points: None,
             all_tets: false,
+            method: CubatureMethod::default(),
         }
     }
 }

@@ -49,3 +49,19 @@ pub fn jittered_box(cells: [usize; 3], cell: f64, jitter: f64, seed: u64) -> Tet
     }
     mesh
 }
+
+/// A box in which some tets are partly tissue.
+pub fn partly_tissue() -> (TetMesh, Vec<f64>) {
+    let mesh = jittered_box([8, 7, 6], 0.01, 0.15, 21);
+    let mut random = Random::new(22);
+    let fraction = (mesh.tets.iter())
+        .map(|_| {
+            if random.uniform(0.0, 1.0) < 0.3 {
+                0.2 + 0.8 * random.uniform(0.0, 1.0)
+            } else {
+                1.0
+            }
+        })
+        .collect();
+    (mesh, fraction)
+}

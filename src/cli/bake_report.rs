@@ -58,7 +58,8 @@ fn cubature(c: &CubatureReport) -> String {
     }
     let off = (c.weight_sum / c.volume - 1.0).abs();
     let negative = match (c.negative_weights, c.cells) {
-        (0, false) => "no weight was negative".into(),
+        (0, true) => "each its cell's volume, none negative".into(),
+        (0, false) => "none negative".into(),
         (n, false) => format!("{n} negative, each replaced by its cell's volume"),
         (n, true) => format!("{n} negative, all replaced by their cells' volumes"),
     };
