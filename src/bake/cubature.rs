@@ -158,7 +158,7 @@ impl Cubature {
     ///
     /// The paper's points are uniform, and its weights know nothing of the handles. With the default method points are
     /// as dense as the handles' stiffness, and their weights give each handle its ∫ |∇U|². Where the paper's add 10 to
-    /// 50 % to the error of a press, these add −9 to 17 % (bone press on mesh S, 20 to 160 handles, ten points a handle).
+    /// 50 % to the error of a press, these add −7 to 12 % (bone press on mesh S, 20 to 160 handles, ten points a handle).
     ///
     /// # Errors
     /// [`Error::Invalid`] where `count` is below 5: four points only just carry the first moments.

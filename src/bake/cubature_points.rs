@@ -36,17 +36,35 @@ pub(super) fn sample(
 }
 
 /// Distances count s^(1/3) times, so that points are s times as dense: s = Σ_h |∇U_h|² over its mean, plus [`FLOOR`]
-/// for the mass where nothing moves.
+/// for the mass where nothing moves. Smoothed, since the farthest candidate would else be the steepest of
+/// its neighbourhood and stand for flatter ones.
 fn stiffness(tissue: Tissue<'_>, slopes: &Rows<(u32, f64)>, candidates: &[u32]) -> Vec<f64> {
-    let steepness = |&t: &u32| slopes.row(t as usize).iter().map(|s| s.1).sum::<f64>();
-    let volume = |&t: &u32| tissue.mesh.volume(t as usize);
-    let whole: f64 = candidates.iter().map(volume).sum();
-    let sum: f64 = candidates.iter().map(|t| volume(t) * steepness(t)).sum();
+    let mesh = tissue.mesh;
+    let volumes: Vec<f64> = (0..mesh.tets.len()).map(|t| mesh.volume(t)).collect();
+    let sum_of = |row: &[(u32, f64)]| row.iter().map(|s| s.1).sum::<f64>();
+    let steepness: Vec<f64> = slopes.iter().map(sum_of).collect();
+    let steepness = smoothed(mesh, &volumes, &steepness);
+    let whole: f64 = volumes.iter().sum();
+    let sum: f64 = volumes.iter().zip(&steepness).map(|(v, s)| v * s).sum();
     if sum == 0.0 {
         return vec![1.0; candidates.len()];
     }
-    let density = |t: &u32| steepness(t) * whole / sum + FLOOR;
+    let density = |&t: &u32| steepness[t as usize] * whole / sum + FLOOR;
     candidates.iter().map(|t| density(t).cbrt()).collect()
+}
+
+/// Each tet's mean over its nodes of the mean over the tets around a node.
+fn smoothed(mesh: &TetMesh, volumes: &[f64], values: &[f64]) -> Vec<f64> {
+    let mut nodes = vec![(0.0, 0.0); mesh.nodes.len()];
+    for ((tet, volume), value) in mesh.tets.iter().zip(volumes).zip(values) {
+        for &n in tet {
+            nodes[n as usize].0 += volume * value;
+            nodes[n as usize].1 += volume;
+        }
+    }
+    let at = |n: &u32| nodes[*n as usize].0 / nodes[*n as usize].1;
+    let mean = |tet: &[u32; 4]| tet.iter().map(at).sum::<f64>() / 4.0;
+    mesh.tets.iter().map(mean).collect()
 }
 
 /// Tets drawn without repetition, volumes being probabilities: each takes part with the key u^(1/volume), and the largest
