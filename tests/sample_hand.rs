@@ -1,10 +1,19 @@
 //! The generated hand is a closed, well-formed, well-behaved hand.
 
-use std::collections::{BTreeMap, BTreeSet};
+#[path = "support/surface.rs"]
+mod surface;
+
 use std::sync::OnceLock;
 use supple::glam::{DMat3, DVec3};
 use supple::model::{ParametricModel, Surface};
 use supple::sample::SampleHand;
+use surface::{
+    Grid, components, crossing, distance_to_triangle, edges, is_manifold, self_intersections,
+    smallest_angle, winding_number,
+};
+
+/// About an edge's length, m.
+const CELL: f64 = 5e-3;
 
 fn hand() -> &'static SampleHand {
     static HAND: OnceLock<SampleHand> = OnceLock::new();
@@ -19,171 +28,11 @@ fn skin() -> Surface {
     }
 }
 
-fn edges(triangles: &[[u32; 3]]) -> BTreeSet<(u32, u32)> {
-    let directed = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-    directed.map(|(a, b)| (a.min(b), a.max(b))).collect()
-}
-
-/// Whether the triangles around every vertex form one ring.
-fn vertices_are_manifold(surface: &Surface) -> bool {
-    let mut next = vec![BTreeMap::new(); surface.positions.len()];
-    for &[a, b, c] in &surface.triangles {
-        for (v, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
-            next[v as usize].insert(from, to);
-        }
-    }
-    next.iter().all(|ring| {
-        let Some(&start) = ring.keys().next() else {
-            return false;
-        };
-        let (mut at, mut steps) = (start, 0);
-        loop {
-            at = match ring.get(&at) {
-                Some(&to) => to,
-                None => return false,
-            };
-            steps += 1;
-            if at == start || steps > ring.len() {
-                return at == start && steps == ring.len();
-            }
-        }
-    })
-}
-
-/// Number of connected components.
-fn components(surface: &Surface) -> usize {
-    let mut label: Vec<usize> = (0..surface.positions.len()).collect();
-    fn root(label: &mut [usize], mut v: usize) -> usize {
-        while label[v] != v {
-            label[v] = label[label[v]];
-            v = label[v];
-        }
-        v
-    }
-    for t in &surface.triangles {
-        let r = t.map(|v| root(&mut label, v as usize));
-        label[r[1]] = r[0];
-        let r = t.map(|v| root(&mut label, v as usize));
-        label[r[2]] = r[0];
-    }
-    (0..label.len()).filter(|&v| label[v] == v).count()
-}
-
-/// Solid angle of the triangle seen from `p`, over 4π (van Oosterom and Strackee 1983).
-fn winding_number(p: DVec3, surface: &Surface) -> f64 {
-    let angle: f64 = (0..surface.triangles.len())
-        .map(|t| {
-            let [a, b, c] = surface.corners(t).map(|q| q - p);
-            let (la, lb, lc) = (a.length(), b.length(), c.length());
-            let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-            2.0 * a.dot(b.cross(c)).atan2(denominator)
-        })
-        .sum();
-    angle / (4.0 * std::f64::consts::PI)
-}
-
-/// Distance from `p` to a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-fn distance_to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let on_segment = |a: DVec3, b: DVec3| {
-        let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-        p.distance(a + t * (b - a))
-    };
-    let n = (b - a).cross(c - a);
-    let inside = [(a, b), (b, c), (c, a)]
-        .iter()
-        .all(|&(u, v)| n.dot((v - u).cross(p - u)) >= 0.0);
-    if inside {
-        return (p - a).dot(n.normalize()).abs();
-    }
-    on_segment(a, b).min(on_segment(b, c)).min(on_segment(c, a))
-}
-
-/// Where the segment from `from` along `way` passes through the triangle, as a fraction of `way`.
-fn crossing(from: DVec3, way: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
-    let (u, v) = (b - a, c - a);
-    let p = way.cross(v);
-    let determinant = u.dot(p);
-    if determinant.abs() < 1e-30 {
-        return None;
-    }
-    let offset = from - a;
-    let s = offset.dot(p) / determinant;
-    let q = offset.cross(u);
-    let t = way.dot(q) / determinant;
-    let hit = v.dot(q) / determinant;
-    (s >= 0.0 && t >= 0.0 && s + t <= 1.0 && (0.0..=1.0).contains(&hit)).then_some(hit)
-}
-
-/// Triangles by the cells of a grid that their boxes touch.
-struct Grid {
-    cell: f64,
-    cells: BTreeMap<[i32; 3], Vec<usize>>,
-}
-
-impl Grid {
-    fn new(surface: &Surface, cell: f64) -> Self {
-        let mut cells: BTreeMap<[i32; 3], Vec<usize>> = BTreeMap::new();
-        for t in 0..surface.triangles.len() {
-            for key in Self::touched(&surface.corners(t), cell) {
-                cells.entry(key).or_default().push(t);
-            }
-        }
-        Self { cell, cells }
-    }
-
-    fn touched(points: &[DVec3], cell: f64) -> Vec<[i32; 3]> {
-        let low = points.iter().fold(DVec3::MAX, |a, b| a.min(*b)) / cell;
-        let high = points.iter().fold(DVec3::MIN, |a, b| a.max(*b)) / cell;
-        let (low, high) = (low.floor().as_ivec3(), high.floor().as_ivec3());
-        let mut keys = Vec::new();
-        for x in low.x..=high.x {
-            for y in low.y..=high.y {
-                for z in low.z..=high.z {
-                    keys.push([x, y, z]);
-                }
-            }
-        }
-        keys
-    }
-
-    /// Triangles near the points.
-    fn near(&self, points: &[DVec3]) -> BTreeSet<usize> {
-        Self::touched(points, self.cell)
-            .iter()
-            .filter_map(|key| self.cells.get(key))
-            .flatten()
-            .copied()
-            .collect()
-    }
-}
-
-/// Pairs of an edge and a triangle that cross without sharing a vertex.
-fn self_intersections(surface: &Surface) -> usize {
-    let grid = Grid::new(surface, 5e-3);
-    edges(&surface.triangles)
-        .iter()
-        .map(|&(i, j)| {
-            let [a, b] = [i, j].map(|v| surface.positions[v as usize]);
-            let apart = |t: &&usize| {
-                let corners = surface.triangles[**t];
-                !corners.contains(&i) && !corners.contains(&j)
-            };
-            grid.near(&[a, b])
-                .iter()
-                .filter(apart)
-                .filter(|&&t| crossing(a, b - a, surface.corners(t)).is_some())
-                .count()
-        })
-        .sum()
-}
-
 #[test]
 fn the_skin_is_one_closed_manifold_sphere_of_manos_size() {
     let skin = skin();
     assert_eq!((skin.positions.len(), skin.triangles.len()), (3106, 6208));
-    assert!(skin.is_closed() && vertices_are_manifold(&skin));
+    assert!(skin.is_closed() && is_manifold(&skin));
     assert_eq!(components(&skin), 1);
     let euler = skin.positions.len() as i64 - edges(&skin.triangles).len() as i64
         + skin.triangles.len() as i64;
@@ -193,18 +42,14 @@ fn the_skin_is_one_closed_manifold_sphere_of_manos_size() {
     assert!((3.0e-4..4.5e-4).contains(&volume), "{volume} m³");
     let longest = skin.positions.iter().map(|p| p.x).fold(0.0, f64::max);
     assert!((0.185..0.195).contains(&longest), "{longest} m");
-    assert_eq!(self_intersections(&skin), 0);
+    assert_eq!(self_intersections(&skin, CELL), 0);
 }
 
 #[test]
 fn its_triangles_are_even() {
     let skin = skin();
     for t in 0..skin.triangles.len() {
-        let [a, b, c] = skin.corners(t);
-        let smallest = [(a, b, c), (b, c, a), (c, a, b)]
-            .map(|(p, q, r)| (q - p).angle_between(r - p))
-            .into_iter()
-            .fold(f64::MAX, f64::min);
+        let smallest = smallest_angle(skin.corners(t));
         assert!(smallest.to_degrees() > 15.0, "triangle {t}: {smallest} rad");
     }
     let lengths = edges(&skin.triangles);
@@ -234,7 +79,7 @@ fn fingers_stay_apart() {
     }
     // From no point of the skin does the outward normal meet the skin again within 2 mm.
     let skin = skin();
-    let grid = Grid::new(&skin, 5e-3);
+    let grid = Grid::new(&skin, CELL);
     for (v, (&p, n)) in skin.positions.iter().zip(skin.vertex_normals()).enumerate() {
         let (from, way) = (p + 1e-4 * n, 1.9e-3 * n);
         for t in grid.near(&[from, from + way]) {
@@ -252,10 +97,10 @@ fn bones_are_closed_and_lie_inside_the_skin() {
     assert_eq!(hand.bones.len(), 16);
     for (j, bone) in hand.bones.iter().enumerate() {
         let name = &hand.model.names[j];
-        assert!(bone.is_closed() && vertices_are_manifold(bone), "{name}");
+        assert!(bone.is_closed() && is_manifold(bone), "{name}");
         assert!(bone.volume() > 0.0, "{name} points inward");
         assert_eq!(components(bone), if j == 0 { 7 } else { 1 }, "{name}");
-        assert!(self_intersections(bone) == 0, "{name}");
+        assert!(self_intersections(bone, CELL) == 0, "{name}");
         for &p in bone.positions.iter().step_by(3) {
             let clearance = (0..skin.triangles.len())
                 .map(|t| distance_to_triangle(p, skin.corners(t)))
@@ -410,7 +255,11 @@ fn shaped_hands_stay_closed_and_free_of_self_intersections() {
                 triangles: model.triangles.clone(),
             };
             assert!(shaped.volume() > 2e-4);
-            assert_eq!(self_intersections(&shaped), 0, "direction {k} at {beta}");
+            assert_eq!(
+                self_intersections(&shaped, CELL),
+                0,
+                "direction {k} at {beta}"
+            );
             let skeleton = model.skeleton(&betas);
             for joint in skeleton.joints {
                 assert!((winding_number(joint, &shaped) - 1.0).abs() < 1e-6);

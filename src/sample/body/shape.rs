@@ -44,7 +44,7 @@ impl BodyShape {
             let mut legs = self.leg.distance(p);
             if p.x < 60.0 {
                 // The other leg, for the fork.
-                legs = smooth_min(legs, self.leg.distance(mirrored(p)), 14.0);
+                legs = smooth_min(legs, self.leg.distance(mirrored(p)), 10.0);
             }
             body = if body == f64::MAX {
                 legs

@@ -3,6 +3,7 @@
 use super::anatomy::mirrored;
 use super::shape::BodyShape;
 use crate::model::Surface;
+use crate::sample::field::smoothstep;
 use crate::sample::polygonise::polygonise;
 use crate::sample::remesh::{Implicit, remesh_half};
 use crate::{Error, Result};
@@ -12,10 +13,16 @@ use glam::DVec3;
 pub(super) const VERTICES: usize = 6890;
 
 /// Side of a grid cell, mm, and its part along each axis around the hand.
-const CELL: f64 = 7.0;
-const FINE: f64 = 0.36;
-/// Where the cells are fine: from and to, for x, y and z. Only the hand lies in all three.
-const FINE_RANGE: [[f64; 2]; 3] = [[655.0, 900.0], [1270.0, 1400.0], [-110.0, 80.0]];
+const CELL: f64 = 8.0;
+const FINE: f64 = 0.25;
+/// What the grid covers, mm.
+const LOW: DVec3 = DVec3::new(0.0, -15.0, -170.0);
+const HIGH: DVec3 = DVec3::new(905.0, 1735.0, 215.0);
+/// Where cells are fine: a box around the hand.
+const FINE_LOW: DVec3 = DVec3::new(640.0, 1265.0, -110.0);
+const FINE_HIGH: DVec3 = DVec3::new(905.0, 1395.0, 85.0);
+/// Over this way along x the cells of the trunk give way to those of the hand.
+const TURN: [f64; 2] = [520.0, 640.0];
 
 /// A closed surface that is its own mirror image.
 #[derive(Clone, Debug)]
@@ -26,33 +33,33 @@ pub(super) struct Skin {
     pub twin: Vec<u32>,
 }
 
-/// Coordinate of a grid plane: steps are [`FINE`] times shorter in the range.
-fn warped(u: f64, [from, to]: [f64; 2]) -> f64 {
-    let fine = (u - from).clamp(0.0, (to - from) / FINE);
-    u - (1.0 - FINE) * fine
+/// How much longer the grid is than what it covers.
+fn longer() -> DVec3 {
+    (FINE_HIGH - FINE_LOW) * (1.0 / FINE - 1.0)
+}
+
+/// Place of the grid's coordinates `u`: steps along x are [`FINE`] times shorter beside the hand, those along
+/// y and z near it; elsewhere they are even.
+fn place(u: DVec3) -> DVec3 {
+    let fine = (u - FINE_LOW).clamp(DVec3::ZERO, (FINE_HIGH - FINE_LOW) / FINE);
+    let warped = u - (1.0 - FINE) * fine;
+    let even = LOW + (u - LOW) * (HIGH - LOW) / (HIGH + longer() - LOW);
+    let turn = smoothstep((warped.x - TURN[0]) / (TURN[1] - TURN[0]));
+    let mixed = even.lerp(warped, turn);
+    DVec3::new(warped.x, mixed.y, mixed.z)
 }
 
 /// The closed skin.
 pub(super) fn skin(shape: &BodyShape) -> Result<Skin> {
-    let place = |u: DVec3| {
-        DVec3::new(
-            warped(u.x, FINE_RANGE[0]),
-            warped(u.y, FINE_RANGE[1]),
-            warped(u.z, FINE_RANGE[2]),
-        )
-    };
-    let longer = |k: usize| (FINE_RANGE[k][1] - FINE_RANGE[k][0]) * (1.0 / FINE - 1.0);
-    let low = DVec3::new(0.0, -15.0, -170.0);
-    let high = DVec3::new(905.0 + longer(0), 1735.0 + longer(1), 215.0 + longer(2));
-    let (positions, triangles) = polygonise(low, high, CELL, |u| shape.distance(place(u)));
+    let (positions, triangles) =
+        polygonise(LOW, HIGH + longer(), CELL, |u| shape.distance(place(u)));
     let positions = positions.into_iter().map(place).collect();
     let (positions, triangles) = remesh_half(shape, positions, triangles, VERTICES);
     let skin = with_mirror_image(positions, triangles);
-    if skin.surface.positions.len() != VERTICES || !skin.surface.is_closed() {
-        let problem = format!(
-            "{} vertices after remeshing, not {VERTICES}, or not closed",
-            skin.surface.positions.len()
-        );
+    let (vertices, triangles) = (skin.surface.positions.len(), skin.surface.triangles.len());
+    // Euler: a closed surface with a handle, as fused fingers make, has more triangles.
+    if vertices != VERTICES || triangles != 2 * VERTICES - 4 {
+        let problem = format!("{vertices} vertices and {triangles} triangles after remeshing");
         return Err(Error::invalid("sample body", problem));
     }
     Ok(skin)
