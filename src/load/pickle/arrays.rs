@@ -30,7 +30,7 @@ impl Pickle<'_> {
     /// `value` as a dense array, `depth` nodes deep at most.
     pub(super) fn array(&self, value: Value, room: usize, depth: usize) -> Result<Array, String> {
         let deeper = depth.checked_sub(1).ok_or("is nested too deeply")?;
-        if let Some(number) = number(value) {
+        if let Some(number) = plain_number(value) {
             return Ok(Array {
                 numbers: vec![number],
                 ..Array::default()
@@ -125,13 +125,30 @@ impl Pickle<'_> {
         room: usize,
     ) -> Result<Array, String> {
         let element = self.element_type(element)?;
-        let bytes = self.bytes(data, DEEPEST)?;
+        let count = shape
+            .iter()
+            .fold(element.size, |n, length| n.saturating_mul(*length));
+        let bytes = self.bytes(data, count, DEEPEST)?;
         Array::from_bytes(&element, shape, fortran, &bytes, room)
+    }
+
+    /// A number of Python's or NumPy's.
+    fn number(&self, value: Value) -> Option<f64> {
+        let scalar = || match self.call(value)? {
+            (Global::NumpyScalar, ..) => self.array(value, 1, 1).ok()?.numbers.first().copied(),
+            _ => None,
+        };
+        plain_number(value).or_else(scalar)
     }
 
     /// A tuple of lengths, or one length.
     pub(super) fn shape(&self, value: Value) -> Result<Vec<usize>, String> {
-        let length = |v: &Value| self.int(*v).and_then(|n| usize::try_from(n).ok());
+        let length = |v: &Value| {
+            let length = self.number(*v).filter(|n| n.fract() == 0.0);
+            length
+                .filter(|n| (0.0..9e15).contains(n))
+                .map(|n| n as usize)
+        };
         let lengths = match self.sequence(value) {
             Some(lengths) => lengths.iter().map(length).collect(),
             None => length(&value).map(|n| vec![n]),
@@ -152,20 +169,24 @@ impl Pickle<'_> {
         ElementType::parse(&format!("{}{code}", order.as_deref().unwrap_or("<")))
     }
 
-    /// Bytes, however they are wrapped.
-    fn bytes(&self, value: Value, depth: usize) -> Result<Cow<'_, [u8]>, String> {
+    /// So many bytes, however they are wrapped.
+    fn bytes(&self, value: Value, count: usize, depth: usize) -> Result<Cow<'_, [u8]>, String> {
         let deeper = depth.checked_sub(1).ok_or("is nested too deeply")?;
         match self.node(value) {
             Some(Node::Bytes(bytes)) => return Ok(Cow::Borrowed(bytes)),
+            // A byte takes two in UTF-8 at most; what is longer is not worth decoding.
+            Some(Node::Text(text)) if text.len() / 2 > count => {
+                return Err(format!("a text stands where {count} bytes should"));
+            }
             Some(Node::Text(text)) => return to_latin1(text),
             _ => {}
         }
         if let Some((Global::Encode | Global::Bytes, arguments, _)) = self.call(value) {
             match self.sequence(arguments) {
                 // Of `encode`, only Latin-1 is ever written.
-                Some([inner]) => return self.bytes(*inner, deeper),
+                Some([inner]) => return self.bytes(*inner, count, deeper),
                 Some([inner, encoding]) if self.text(*encoding).is_some_and(|e| latin1(&e)) => {
-                    return self.bytes(*inner, deeper);
+                    return self.bytes(*inner, count, deeper);
                 }
                 Some([]) => return Ok(Cow::Borrowed(&[])),
                 _ => {}
@@ -183,14 +204,13 @@ impl Pickle<'_> {
         if items.len() > room {
             return Err("holds more numbers than are read".into());
         }
-        let numbers: Option<Vec<f64>> = items.iter().map(|v| number(*v)).collect();
+        let numbers: Option<Vec<f64>> = items.iter().map(|v| self.number(*v)).collect();
         if let Some(numbers) = numbers {
             array.numbers = numbers;
             return Ok(array);
         }
         if items.len() <= MOST_TEXTS {
-            let short = |text: &Cow<'_, str>| text.len() <= 1024;
-            let text = |v: &Value| self.text(*v).filter(short).map(Cow::into_owned);
+            let text = |v: &Value| self.text(*v).map(Cow::into_owned);
             if let Some(texts) = items.iter().map(text).collect() {
                 array.texts = texts;
                 return Ok(array);
@@ -204,7 +224,7 @@ fn latin1(encoding: &str) -> bool {
     matches!(encoding, "latin1" | "latin-1" | "iso-8859-1")
 }
 
-fn number(value: Value) -> Option<f64> {
+fn plain_number(value: Value) -> Option<f64> {
     match value {
         Value::Int(int) => Some(int as f64),
         Value::Float(float) => Some(float),

@@ -51,11 +51,9 @@ impl Pickle<'_> {
     /// The same numbers in another shape; one length may be −1, for what is left.
     fn reshaped(&self, array: Array, shape: Value) -> Result<Array, String> {
         let mismatch = || "chumpy's shape does not fit its numbers".to_string();
-        let lengths = match self.sequence(shape) {
-            Some(lengths) => lengths.to_vec(),
-            None => vec![shape],
-        };
-        let lengths: Option<Vec<i64>> = lengths.iter().map(|v| self.int(*v)).collect();
+        let lengths = self.array(shape, 64, 2).map_err(|_| mismatch())?.numbers;
+        let whole = |n: &f64| (n.fract() == 0.0 && n.abs() < 9e15).then_some(*n as i64);
+        let lengths: Option<Vec<i64>> = lengths.iter().map(whole).collect();
         let lengths = lengths.ok_or_else(mismatch)?;
         let mut known = lengths.iter().filter(|n| **n != -1);
         let known = known.try_fold(1usize, |product, n| {

@@ -12,10 +12,13 @@
 //! into the caller's room.
 
 mod arrays;
+mod calls;
 mod chumpy;
 mod globals;
+mod input;
 mod machine;
 mod sparse;
+mod stack;
 mod text;
 
 #[cfg(test)]
@@ -34,6 +37,9 @@ const MOST_OPCODES: usize = 1 << 20;
 
 /// Deepest nesting of nodes that is followed to a value.
 const DEEPEST: usize = 6;
+
+/// Longest text that is read as one, bytes.
+const LONGEST_TEXT: usize = 1024;
 
 /// A value of the machine. Everything that can hold others is a node, known by its index.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,11 +105,12 @@ impl<'a> Pickle<'a> {
         }
     }
 
-    /// A text, of either Python.
+    /// A text, of either Python, if it is not longer than any name. (A long one that is shared
+    /// would be decoded again and again.)
     fn text(&self, value: Value) -> Option<Cow<'_, str>> {
         match self.node(value)? {
-            Node::Text(text) => Some(Cow::Borrowed(text)),
-            Node::Bytes(bytes) => Some(text::from_latin1(bytes)),
+            Node::Text(text) if text.len() <= LONGEST_TEXT => Some(Cow::Borrowed(text)),
+            Node::Bytes(bytes) if bytes.len() <= LONGEST_TEXT => Some(text::from_latin1(bytes)),
             _ => None,
         }
     }

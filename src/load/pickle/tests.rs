@@ -75,6 +75,10 @@ fn plain_values_and_wrapped_bytes_are_read() {
     let scalar = [Two.element_type("<f8"), Two.bytes(&2.5f64.to_le_bytes())];
     let scalar = array(Two, &Two.call("numpy.core.multiarray", "scalar", &scalar));
     assert_eq!((scalar.shape, scalar.numbers), (vec![], vec![2.5]));
+    // Numbers of NumPy's in a list.
+    let length = [Two.element_type("<i8"), Two.bytes(&7i64.to_le_bytes())];
+    let length = Two.call("numpy.core.multiarray", "scalar", &length);
+    assert_eq!(array(Two, &tuple(&[int(3), length])).numbers, [3.0, 7.0]);
 }
 
 /// A 2 × 3 matrix with a value stored twice, in rows and in columns.
@@ -229,6 +233,35 @@ fn bombs_cost_nothing() {
     let again = [&ordered[..], b"(h\x02tR"].concat();
     let program = [pairs, again.repeat(2000), b".".to_vec()].concat();
     refused(&program, "opcodes");
+    // A long text, decoded for each number of a list.
+    let long = "é".repeat(100_000);
+    let element = [Two.element_type("<f8"), b"q\x01".to_vec()].concat();
+    let bytes = Two.call(
+        "_codecs",
+        "encode",
+        &[Three.text(&long), Two.text("latin1")],
+    );
+    let scalar = Two.call("numpy.core.multiarray", "scalar", &[element, bytes]);
+    let many = [
+        &b"]("[..],
+        &scalar,
+        b"q\x02",
+        &b"h\x02".repeat(60_000),
+        b"e.",
+    ]
+    .concat();
+    let start = std::time::Instant::now();
+    refused(&many, "neither numbers");
+    let names = [
+        &b"]("[..],
+        &Two.bytes(long.as_bytes()),
+        b"q\x02",
+        &b"h\x02".repeat(60_000),
+        b"e.",
+    ]
+    .concat();
+    refused(&names, "neither numbers");
+    assert!(start.elapsed().as_secs() < 2);
     // More numbers than there is room for.
     let large = Two.program(&Two.array("|u1", &[100], false, &[0; 100]));
     assert!(parse_array(&large, 99).unwrap_err().contains("more than"));

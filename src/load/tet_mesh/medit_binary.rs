@@ -52,10 +52,8 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<TetFile> {
         }
         let next = gmf.place()?;
         match keyword {
-            DIMENSION => {
-                if gmf.words.binary_i32()? != 3 {
-                    return Err(gmf.words.fault("a mesh in three dimensions is needed"));
-                }
+            DIMENSION if gmf.words.binary_i32()? != 3 => {
+                return Err(gmf.words.fault("a mesh in three dimensions is needed"));
             }
             VERTICES => {
                 for _ in 0..gmf.int()? {

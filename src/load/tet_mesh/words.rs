@@ -67,32 +67,27 @@ impl<'a> Words<'a> {
 
     /// The next word; `what` should stand there.
     pub fn word(&mut self, what: &str) -> Result<&'a [u8]> {
-        let word = self.peek().ok_or_else(|| {
-            self.fault(format!(
-                "the file ends where {what} should stand: complete it"
-            ))
-        })?;
+        let word = self.peek().ok_or_else(|| self.ended(what))?;
         self.at += word.len();
         Ok(word)
     }
 
+    fn ended(&self, what: &str) -> Error {
+        self.fault(format!(
+            "the file ends where {what} should stand: complete it"
+        ))
+    }
+
     /// The next word as a number.
     pub fn value<T: FromStr>(&mut self, what: &str) -> Result<T> {
-        let word = self.peek();
-        let value = word.and_then(|w| std::str::from_utf8(w).ok()?.parse().ok());
-        match value {
-            Some(value) => {
-                self.at += word.map_or(0, <[u8]>::len);
-                Ok(value)
-            }
-            None => {
-                let found: String = String::from_utf8_lossy(word.unwrap_or(b"nothing"))
-                    .chars()
-                    .take(20)
-                    .collect();
-                Err(self.fault(format!("{what} should stand here, not `{found}`")))
-            }
-        }
+        let word = self.peek().ok_or_else(|| self.ended(what))?;
+        let value = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok());
+        let value = value.ok_or_else(|| {
+            let found: String = String::from_utf8_lossy(word).chars().take(20).collect();
+            self.fault(format!("{what} should stand here, not `{found}`"))
+        })?;
+        self.at += word.len();
+        Ok(value)
     }
 
     /// A text in quotation marks.
