@@ -23,6 +23,7 @@ pub use avatar_source::{
     AvatarSource, Sample, SourceBody, avatar_source_of, parse_avatar_source, read_avatar_source,
     read_recipe_for,
 };
+#[cfg(feature = "cli")]
 pub(crate) use avatar_source::{PALM, SOFT, map_of};
 pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
 pub use gltf::{parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};

@@ -3,6 +3,7 @@
 mod samples;
 
 pub use samples::Sample;
+#[cfg(feature = "cli")]
 pub(crate) use samples::{PALM, SOFT, map_of};
 
 use super::character::{CharacterFile, CharacterOptions, FileKind, read_character};
