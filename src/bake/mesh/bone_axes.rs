@@ -176,6 +176,13 @@ fn wanted_axes(skeleton: &Skeleton, j: usize, around: &[DVec3], size: f64) -> Ve
         .collect();
     if ends.is_empty() {
         ends.push(tip(joint, around));
+    } else if skeleton.parents[j].is_none() {
+        // A root may reach back from its joint too: a wrist into the forearm.
+        let ahead = |p: &DVec3| ends.iter().any(|end| (*p - joint).dot(*end - joint) > 0.0);
+        let behind: Vec<DVec3> = around.iter().copied().filter(|p| !ahead(p)).collect();
+        if !behind.is_empty() {
+            ends.push(tip(joint, &behind));
+        }
     }
     let mut axes: Vec<BoneAxis> = (ends.into_iter())
         .map(|end| BoneAxis {

@@ -245,7 +245,9 @@ impl Solid<'_> {
                 *row = layer.mesh.tets[tet].into_iter().zip(shares).collect();
             }
         }
-        layer.skin_embedding = embedding.into_iter().collect();
+        layer.skin_embedding = (self.sound.stands_for.iter())
+            .map(|&v| embedding[v as usize].iter().copied())
+            .collect();
         Ok(layer)
     }
 }

@@ -67,12 +67,13 @@ pub(super) fn prism_shell(
         .map(|tet| tet.map(|n| number[n as usize]))
         .collect();
     layer.tissue_fraction = vec![1.0; layer.mesh.tets.len()];
+    let twin = |v: usize| sound.stands_for[v] as usize;
     layer.skin_embedding = (0..vertices)
-        .map(|v| used[v].then_some((number[v], 1.0)))
+        .map(|v| used[twin(v)].then_some((number[twin(v)], 1.0)))
         .collect();
-    for (depth, _) in depth.iter_mut().zip(&used).filter(|(_, used)| !**used) {
-        *depth = 0.0;
-    }
+    *depth = (0..vertices)
+        .map(|v| if used[twin(v)] { depth[twin(v)] } else { 0.0 })
+        .collect();
     layer
 }
 

@@ -37,6 +37,8 @@ pub struct SkinReport {
     pub degenerate_triangles: usize,
     /// Vertices of no triangle: they follow their bones.
     pub isolated_vertices: usize,
+    /// Vertices of a seam, where parts that follow their bones differently meet: joined in the mesh.
+    pub stitched_vertices: usize,
     /// Triangles that looked inward: turned.
     pub turned_triangles: usize,
     /// Pairs of triangles that cut each other without sharing a vertex: inside is by winding number.
@@ -111,6 +113,11 @@ impl fmt::Display for SkinReport {
             self.isolated_vertices,
             "isolated vertex",
             "isolated vertices",
+        )?;
+        tell(
+            self.stitched_vertices,
+            "stitched vertex",
+            "stitched vertices",
         )?;
         tell(self.turned_triangles, "triangle turned", "triangles turned")?;
         tell(

@@ -2,6 +2,7 @@
 //!
 //! Nothing here stops a mesher. What was found is in the [`SkinReport`].
 
+use super::bone_axes::extent;
 use super::disjoint_sets::DisjointSets;
 use super::report::{Hole, SkinReport};
 use super::self_intersections::self_intersections;
@@ -9,7 +10,7 @@ use crate::math::winding_number;
 use crate::model::Surface;
 use crate::{Error, Result};
 use glam::DVec3;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A skin whose triangles bound a solid: along any line the winding number starts and ends at 0.
 pub(crate) struct SoundSkin {
@@ -17,6 +18,9 @@ pub(crate) struct SoundSkin {
     pub surface: Surface,
     /// How many of the triangles are the skin's own.
     pub skin_triangles: usize,
+    /// For each vertex the one that stands for it: another one in the same place on the border of the same
+    /// seam, or itself.
+    pub stands_for: Vec<u32>,
     /// Vertices around holes and on non-manifold edges, which the bones hold.
     pub held: Vec<bool>,
     /// The vertices around each hole; hole `h` has vertex `vertices + h` in its middle.
@@ -26,6 +30,12 @@ pub(crate) struct SoundSkin {
     /// What was found.
     pub report: SkinReport,
 }
+
+/// Vertices of a seam lie no farther apart than about this, relative to the skin's extent.
+const SEAM: f64 = 1e-6;
+
+/// A part that encloses less than this, relative to its area to the power of 3/2, is flat.
+const FLAT: f64 = 1e-6;
 
 /// A triangle thinner than this, relative to its longest edge squared, has no area.
 const LEAST_AREA: f64 = 1e-9;
@@ -49,15 +59,19 @@ impl SoundSkin {
             triangles: skin.triangles.len(),
             ..SkinReport::default()
         };
-        let kept = distinct_triangles(skin, &mut report);
+        let stands_for = stitch(skin, &mut report);
+        let mut surface = Surface {
+            positions: skin.positions.clone(),
+            triangles: (skin.triangles.iter())
+                .map(|t| t.map(|v| stands_for[v as usize]))
+                .collect(),
+        };
+        let kept = distinct_triangles(&surface, &stands_for, &mut report);
         if kept.is_empty() {
             return Err(Error::invalid("skin", "has no triangle with area"));
         }
-        let triangles: Vec<[u32; 3]> = kept.iter().map(|&t| skin.triangles[t]).collect();
-        let mut surface = Surface {
-            positions: skin.positions.clone(),
-            triangles,
-        };
+        let all = std::mem::take(&mut surface.triangles);
+        surface.triangles = kept.iter().map(|&t| all[t]).collect();
         let mut held = vec![false; vertices];
         make_consistent(&mut surface);
         mark_non_manifold(&surface, &mut held, &mut report);
@@ -68,12 +82,15 @@ impl SoundSkin {
 
         let mut oriented = skin.triangles.clone();
         for (&t, turned) in kept.iter().zip(&surface.triangles) {
-            oriented[t] = *turned;
-            report.turned_triangles += usize::from(!same_way(skin.triangles[t], *turned));
+            if !same_way(all[t], *turned) {
+                oriented[t].swap(1, 2);
+                report.turned_triangles += 1;
+            }
         }
         Ok(Self {
             surface,
             skin_triangles,
+            stands_for,
             held,
             rims,
             oriented,
@@ -135,9 +152,39 @@ fn same_way(a: [u32; 3], b: [u32; 3]) -> bool {
     (0..3).any(|r| (0..3).all(|i| a[i] == b[(i + r) % 3]))
 }
 
+/// Joins vertices of the border that lie in the same place: a seam between parts that follow their bones
+/// differently. Each vertex with the one that stands for it.
+fn stitch(skin: &Surface, report: &mut SkinReport) -> Vec<u32> {
+    let mut border = vec![false; skin.positions.len()];
+    for (&(a, b), sides) in &edges(&skin.triangles) {
+        if sides.len() == 1 {
+            border[a as usize] = true;
+            border[b as usize] = true;
+        }
+    }
+    let cell = SEAM * extent(skin);
+    let key = |v: usize| {
+        (skin.positions[v] / cell)
+            .round()
+            .to_array()
+            .map(|x| x as i64)
+    };
+    let mut first: HashMap<[i64; 3], u32> = HashMap::new();
+    let stands_for: Vec<u32> = (0..border.len())
+        .map(|v| match border[v] && cell > 0.0 {
+            true => *first.entry(key(v)).or_insert(v as u32),
+            false => v as u32,
+        })
+        .collect();
+    report.stitched_vertices = (stands_for.iter().zip(0..))
+        .filter(|&(&first, v)| first != v)
+        .count();
+    stands_for
+}
+
 /// Indices of the triangles with three corners, each set of corners once. A needle without area
 /// stays, for its neighbours' sake.
-fn distinct_triangles(skin: &Surface, report: &mut SkinReport) -> Vec<usize> {
+fn distinct_triangles(skin: &Surface, stands_for: &[u32], report: &mut SkinReport) -> Vec<usize> {
     let mut seen = HashSet::new();
     let mut used = vec![false; skin.positions.len()];
     let mut kept = Vec::with_capacity(skin.triangles.len());
@@ -160,7 +207,8 @@ fn distinct_triangles(skin: &Surface, report: &mut SkinReport) -> Vec<usize> {
             report.duplicate_triangles += 1;
         }
     }
-    report.isolated_vertices = used.iter().filter(|used| !**used).count();
+    let used = stands_for.iter().filter(|&&v| used[v as usize]).count();
+    report.isolated_vertices = stands_for.len() - used;
     kept
 }
 
@@ -314,7 +362,10 @@ fn turn_outward(surface: &mut Surface, part: &[u32]) {
     order.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
     let mut done: Vec<u32> = Vec::new();
     for (volume, triangles) in order {
-        if volume < 0.0 {
+        let areas = triangles
+            .iter()
+            .map(|&t| surface.area_vector(t as usize).length());
+        if volume < -FLAT * areas.sum::<f64>().powf(1.5) {
             let place = surface.corners(triangles[0] as usize).iter().sum::<DVec3>() / 3.0;
             let around = done.iter().map(|&t| surface.corners(t as usize));
             if winding_number(place, around) < 0.5 {
@@ -363,7 +414,9 @@ mod tests {
         assert_eq!(sound.oriented, sound.surface.triangles);
         // A few only.
         let mut mixed = skin.clone();
-        [3, 57, 200, 201].map(|t: usize| mixed.triangles[t].swap(1, 2));
+        for t in [3, 57, 200, 201] {
+            mixed.triangles[t].swap(1, 2);
+        }
         let sound = SoundSkin::new(&mixed).unwrap();
         assert_eq!(sound.report.turned_triangles, 4);
         assert!(sound.surface.is_closed() && sound.report.holes.is_empty());
