@@ -50,6 +50,12 @@ const OVER_BONES: f64 = 0.15;
 /// Cosine between two normals that face away from each other.
 const FACING_AWAY: f64 = -0.17;
 
+/// Thin spots of up to twice this size are as deep as what lies around them; relative to the skin's extent.
+const SPOT: f64 = 0.008;
+
+/// Vertices of such a spot at most: finer skins have their wrinkles.
+const DISC: usize = 200;
+
 /// Greatest change of depth along an edge, relative to its length.
 const SLOPE: f64 = 0.5;
 
@@ -134,10 +140,55 @@ pub(crate) fn thickness(
             (told + (1.0 - weight).max(0.0) * base).min(limit)
         })
         .collect();
-    limit_slope(&skin, &mut depth);
+    close_thin_spots(&skin, &mut depth);
+    limit_slope(&skin, &mut depth, SLOPE);
     smooth(&skin, &mut depth);
-    limit_slope(&skin, &mut depth);
+    limit_slope(&skin, &mut depth, SLOPE);
     depth
+}
+
+/// Raises the depth of thin spots that are small, such as a nipple on its breast, to that around them: a
+/// closing (the least over a disc of the greatest over a disc), which leaves what is thin over a finger's
+/// length as it is.
+fn close_thin_spots(skin: &Surface, depth: &mut Vec<f64>) {
+    let around = neighbours(skin);
+    let reach = SPOT * extent(skin);
+    let discs = par_map(depth.len(), |v| disc(skin, &around, v as u32, reach));
+    let over = |depth: &[f64], better: fn(f64, f64) -> f64| -> Vec<f64> {
+        let disc = |disc: &Vec<u32>| disc.iter().map(|&v| depth[v as usize]).reduce(better);
+        discs
+            .iter()
+            .zip(depth)
+            .map(|(d, &own)| disc(d).unwrap_or(own))
+            .collect()
+    };
+    *depth = over(&over(depth, f64::max), f64::min);
+}
+
+/// The vertices that are no farther from `centre` than `reach` along edges, up to [`DISC`] of them.
+fn disc(skin: &Surface, around: &Rows<u32>, centre: u32, reach: f64) -> Vec<u32> {
+    // Distances fit in a sorted list: discs are small.
+    let mut open = vec![(0.0, centre)];
+    let mut done: Vec<u32> = Vec::new();
+    while let Some((distance, v)) = open.pop() {
+        if done.contains(&v) {
+            continue;
+        }
+        done.push(v);
+        if done.len() == DISC {
+            break;
+        }
+        for &u in around.row(v as usize) {
+            let step = skin.positions[u as usize].distance(skin.positions[v as usize]);
+            if distance + step <= reach && !done.contains(&u) {
+                // The nearest last; equals by their number.
+                let entry = (distance + step, u);
+                let at = open.partition_point(|o| o.0 > entry.0 || o.0 == entry.0 && o.1 > u);
+                open.insert(at, entry);
+            }
+        }
+    }
+    done
 }
 
 /// Radius of the largest ball that touches the skin at each vertex from inside, m: the least
@@ -179,8 +230,8 @@ fn share_of_bones(skinning: &Rows<SkinWeight>, chosen: &[bool]) -> Vec<f64> {
     skinning.iter().map(share).collect()
 }
 
-/// Lowers `depth` until it changes by [`SLOPE`] at most along every edge.
-pub(super) fn limit_slope(skin: &Surface, depth: &mut [f64]) {
+/// Lowers `depth` until it changes by `slope` times their length at most along edges.
+pub(super) fn limit_slope(skin: &Surface, depth: &mut [f64], slope: f64) {
     let mut changed = true;
     // Each sweep settles at least one vertex more.
     while changed {
@@ -188,7 +239,7 @@ pub(super) fn limit_slope(skin: &Surface, depth: &mut [f64]) {
         for &[a, b, c] in &skin.triangles {
             for (u, v) in [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)] {
                 let (u, v) = (u as usize, v as usize);
-                let reach = SLOPE * (skin.positions[u] - skin.positions[v]).length();
+                let reach = slope * (skin.positions[u] - skin.positions[v]).length();
                 // Rounding must not keep it going.
                 if depth[u] > (depth[v] + reach) * (1.0 + 1e-12) {
                     depth[u] = depth[v] + reach;
