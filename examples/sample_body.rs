@@ -35,7 +35,7 @@ fn panel(skin: Vec<DVec3>, model: &ParametricModel, from: DVec3, width: usize) -
         positions: skin,
         triangles: model.triangles.clone(),
     };
-    const HEIGHT: usize = 420;
+    const HEIGHT: usize = 380;
     let target = DVec3::new(0.0, 0.93, 0.0);
     let camera = Camera {
         eye: target + 4.0 * from.normalize(),
@@ -87,18 +87,20 @@ fn main() -> Result<()> {
     let mut strip = Strip::default();
     let mut add = |caption: &str, betas: &[f64], pose: &[DMat3], from: DVec3, width: usize| {
         let skin = model.evaluate(betas, pose, DVec3::ZERO);
+        // The root stays where it is when the legs bend: the feet are put back on the floor.
+        let sole = skin.iter().map(|p| p.y).fold(f64::MAX, f64::min);
+        let skin = skin.into_iter().map(|p| p - sole * DVec3::Y).collect();
         strip.panels.push(Panel {
             image: panel(skin, &model, from, width),
             caption: caption.into(),
         });
     };
-    add("rest", &[], &rest, front, 390);
-    add("from behind", &[], &standing, back, 190);
-    add("walking", &[], &walking, side, 230);
-    // The root stays where it is when the legs bend: lower it to sit.
-    add("sitting", &[], &sitting, side, 230);
+    add("rest", &[], &rest, front, 345);
+    add("behind", &[], &standing, back, 165);
+    add("walking", &[], &walking, side, 205);
+    add("sitting", &[], &sitting, side, 205);
     for betas in &people {
-        add("", betas, &standing, side, 170);
+        add("shaped", betas, &standing, side, 155);
     }
     strip.compose(from_srgb(0xf4f2ee)).write_png(path.as_ref())
 }

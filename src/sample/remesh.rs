@@ -315,4 +315,32 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn half_a_sphere_keeps_its_border_on_the_plane_and_counts_with_its_mirror_image() {
+        let sphere = Sphere(3.0);
+        let (low, high) = (DVec3::new(0.0, -3.7, -3.7), DVec3::splat(3.7));
+        let (positions, triangles) = polygonise(low, high, 0.31, |p| p.length() - sphere.0);
+        for count in [151, 700] {
+            let (positions, triangles) =
+                remesh_half(&sphere, positions.clone(), triangles.clone(), count);
+            let on_plane = positions.iter().filter(|p| p.x == 0.0).count();
+            assert_eq!(2 * positions.len() - on_plane, count);
+            assert_eq!(
+                2 * triangles.len(),
+                2 * count - 4,
+                "closed, without a handle"
+            );
+            assert!(positions.iter().all(|p| p.x >= 0.0));
+            assert!(positions.iter().all(|p| (p.length() - 3.0).abs() < 1e-12));
+            // Edges without a second triangle are those of the plane, one for each vertex there.
+            let directed = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
+            let edges: Vec<(u32, u32)> = triangles.iter().flat_map(directed).collect();
+            let border = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a)));
+            let ends: Vec<f64> = border
+                .flat_map(|&(a, b)| [a, b].map(|v| positions[v as usize].x))
+                .collect();
+            assert!(ends.len() == 2 * on_plane && ends.iter().all(|x| *x == 0.0));
+        }
+    }
 }
