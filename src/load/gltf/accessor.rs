@@ -167,7 +167,7 @@ impl File {
         let end = (count.checked_sub(1))
             .map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size))
             .and_then(|length| length.checked_add(offset));
-        if !end.is_some_and(|end| end <= bytes.len() as u64) {
+        if end.is_none_or(|end| end > bytes.len() as u64) {
             let problem = format!(
                 "{count} elements every {stride} bytes from byte {offset} do not fit in bufferViews[{view}] \
                  of {} bytes",
