@@ -5,8 +5,8 @@
 //! axes lie at rest; so only the joints' places are taken from them. Files with `bones` hold what a line of
 //! a pose stream does.
 
+use super::bone_json::{bone_pose, numbers};
 use super::js_literal::first_object;
-use super::pose_stream::{bone_pose, numbers};
 use crate::load::file;
 use crate::model::UpAxis;
 use crate::motion::{BonePose, BonePoses, PoseHeader};

@@ -1,6 +1,7 @@
 //! Motions in: one file a format.
 
 mod amass;
+mod bone_json;
 mod bvh;
 mod hand_pose;
 mod js_literal;
