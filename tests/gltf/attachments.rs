@@ -84,7 +84,7 @@ fn dressed() -> Fixture {
         let attributes = json!({
             "POSITION": positions,
             "JOINTS_0": file.accessor(BYTE, "VEC4", joints.len(), joints.as_flattened()),
-            "WEIGHTS_0": file.floats("VEC4", &weights),
+            "WEIGHTS_0": file.floats("VEC4", weights),
         });
         let indices = file.shorts("SCALAR", 3 * triangles.len(), triangles.as_flattened());
         let material = file.push("materials", json!({"name": format!("{name} stuff")}));

@@ -52,7 +52,8 @@ impl Evaluation {
                 };
                 let bind = self.bind_matrices(&skin);
                 let joints: Vec<usize> = skin.joints().map(|j| j.index()).collect();
-                let sets: Vec<(Vec<[u16; 4]>, Vec<[f32; 4]>)> = (0..)
+                type Set = (Vec<[u16; 4]>, Vec<[f32; 4]>);
+                let sets: Vec<Set> = (0..)
                     .map_while(|set| {
                         let joints = reader.read_joints(set)?.into_u16().collect();
                         Some((joints, reader.read_weights(set)?.into_f32().collect()))
