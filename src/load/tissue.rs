@@ -2,7 +2,7 @@
 //!
 //! Surfaces are the connected parts of the welded skin. The tissue is the part with the largest *score*,
 //!
-//!     score = |enclosed volume| · max(0, 1 − 4 · holes' share of the area),
+//! score = |enclosed volume| · max(0, 1 − 4 · holes' share of the area),
 //!
 //! holes being closed by cones for both: a body with open eye sockets keeps its volume, a coat that is
 //! open below loses it. Where every score is 0, it is the part with the largest area. Further parts are
