@@ -240,10 +240,6 @@ fn print_report(r: &Report) {
             ),
         ),
         (
-            "ms a step in contact",
-            format!("{:.3} median", r.ms_per_step_in_contact.median),
-        ),
-        (
             "medians of parts",
             format!(
                 "evaluation {:.3} (force {:.3}, Hessian {:.3}, readback {:.3}), solve {:.3}, skin {:.3}, \
@@ -262,15 +258,23 @@ fn print_report(r: &Report) {
             ),
         ),
         (
-            "at full press",
-            format!(
-                "{:.3} N of contact, {:.3} N borne by targets and pins",
-                r.contact_force_n, r.load_n
-            ),
-        ),
-        (
             "residual displacement",
             format!("{:.5} mm", r.residual_displacement_mm),
         ),
     ]);
+    if r.first_contact_s.is_some() {
+        print_table([
+            (
+                "at full press",
+                format!(
+                    "{:.3} N of contact, {:.3} N borne by targets and pins",
+                    r.contact_force_n, r.load_n
+                ),
+            ),
+            (
+                "ms a step in contact",
+                format!("{:.3} median", r.ms_per_step_in_contact.median),
+            ),
+        ]);
+    }
 }

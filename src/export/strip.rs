@@ -117,7 +117,7 @@ impl Legend {
     fn draw(&self, sheet: &mut Image, y: i64, size: usize) {
         let ink = from_srgb(INK);
         let length = (sheet.width / 2).clamp(1, 24 * size);
-        let left = (sheet.width - length) as i64 / 2;
+        let left = sheet.width.saturating_sub(length) as i64 / 2;
         let centred = |sheet: &mut Image, text: &str, x: i64, y: i64| {
             draw_text(
                 sheet,

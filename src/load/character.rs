@@ -56,6 +56,9 @@ impl FileKind {
                 Err(e) => return Err(Error::io(path, e)),
             }
         }
+        if length == 0 {
+            return Err(Error::format(path, "format", "is empty"));
+        }
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         Self::from_start(&start[..length], &extension.to_lowercase())
             .map_err(|problem| Error::format(path, "format", problem))
@@ -131,14 +134,16 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
         FileKind::Baked => return Err(Error::format(path, "format", "is baked already")),
     };
     let check_betas = |known: usize| {
-        let sound = betas.len() <= known && betas.iter().all(|b| b.is_finite());
-        let problem = format!(
-            "{} numbers are given; the model has {known} shapes",
-            betas.len()
-        );
-        sound
-            .then_some(())
-            .ok_or_else(|| Error::format(path, "shape", problem))
+        if let Some(k) = betas.iter().position(|b| !b.is_finite()) {
+            let problem = format!("must be a finite number, is {}", betas[k]);
+            return Err(Error::format(path, format!("shape[{k}]"), problem));
+        }
+        if betas.len() > known {
+            let given = betas.len();
+            let problem = format!("{given} numbers are given; the model has {known} shapes");
+            return Err(Error::format(path, "shape", problem));
+        }
+        Ok(())
     };
     let mut file = CharacterFile {
         format,

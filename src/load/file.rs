@@ -27,6 +27,14 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The text of the scene or recipe at `path`; errors as [`read_bytes`]'s, and where it is no text.
+pub(crate) fn read_toml_text(path: &Path) -> Result<String> {
+    String::from_utf8(read_bytes(path)?).map_err(|_| {
+        let problem = "is not a TOML file; a character or a baked avatar is named in one: [avatar] file = \"…\"";
+        Error::format(path, "format", problem)
+    })
+}
+
 /// The text of the file at `path`; errors as [`read_bytes`]'s, and where it is not UTF-8.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read_bytes(path)?).map_err(|e| {

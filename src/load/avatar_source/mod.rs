@@ -7,7 +7,7 @@ pub use samples::Sample;
 pub(crate) use samples::{PALM, SOFT, map_of};
 
 use super::character::{CharacterFile, CharacterOptions, FileKind, read_character};
-use super::file::read_text;
+use super::file::{read_text, read_toml_text};
 use super::painted::read_painted;
 use super::scene::{of_file, parse_toml};
 use super::{read_closed_obj, read_tets};
@@ -85,7 +85,7 @@ pub fn avatar_source_of(path: impl AsRef<Path>) -> Result<AvatarSource> {
             ..AvatarSource::default()
         }),
         FileKind::Toml => {
-            let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+            let text = read_toml_text(path)?;
             let table: toml::Table = parse_toml(&text, path)?;
             if table.contains_key("avatar") {
                 Ok(super::read_scene(path)?.avatar)
@@ -102,7 +102,7 @@ pub fn avatar_source_of(path: impl AsRef<Path>) -> Result<AvatarSource> {
 /// As [`read_avatar_source`].
 pub fn read_recipe_for(recipe: impl AsRef<Path>, model: &Path) -> Result<AvatarSource> {
     let path = recipe.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+    let text = read_toml_text(path)?;
     let source: AvatarSource = parse_toml(&text, path)?;
     let mut source = AvatarSource {
         file: None,

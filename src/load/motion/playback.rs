@@ -166,7 +166,10 @@ fn named_clip(clips: Vec<MotionClip>, motion: &TrackedMotion) -> Result<MotionCl
     clips.into_iter().find(wanted).ok_or_else(|| {
         let problem = match (&motion.clip, &names[..]) {
             (_, []) => "holds no animation".to_string(),
-            (name, names) => format!("there is no clip {name:?}; there are {}", names.join(", ")),
+            (Some(name), names) => {
+                format!("there is no clip {name:?}; there are {}", names.join(", "))
+            }
+            (None, names) => format!("name one of {}", names.join(", ")),
         };
         Error::format(&motion.file, "motion.clip", problem)
     })

@@ -56,6 +56,7 @@ pub struct Scene {
     #[serde(default)]
     pub colliders: Vec<SceneCollider>,
     /// When is measured.
+    #[serde(default)]
     pub measure: Measure,
     /// What is drawn.
     #[serde(default)]
@@ -68,7 +69,7 @@ pub struct Scene {
 pub struct Placement {
     /// Shift of the root joint from its reference place, m.
     pub position: DVec3,
-    /// Rotation vector about the root joint, degrees. With a motion and none given the avatar is stood up.
+    /// Rotation vector about the root joint, degrees. With a recorded motion and none given the avatar is stood up.
     pub rotation_degrees: DVec3,
 }
 
@@ -129,12 +130,22 @@ pub struct SceneCollider {
 
 /// Times at which the report measures, s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct Measure {
-    /// Settled, before contact: what is left of the displacement in the end is measured against it.
+    /// Settled, before contact: what is left of the displacement in the end is measured against it. The start, if not
+    /// given.
     pub settled: f64,
-    /// Under full press: the contact force's time.
+    /// Under full press: the contact force's time. The end, if not given.
     pub full_press: f64,
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        Self {
+            settled: 0.0,
+            full_press: f64::INFINITY,
+        }
+    }
 }
 
 /// What is drawn and recorded.

@@ -1,6 +1,7 @@
 //! TOML to scenes.
 
-use super::Scene;
+use super::{PanelTime, Scene};
+use crate::load::file::read_toml_text;
 use crate::{Error, Result};
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -12,7 +13,7 @@ use toml::Value;
 /// [`Error::Io`] where the file cannot be read, [`Error::Format`] with line or key where it is broken.
 pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+    let text = read_toml_text(path)?;
     let mut scene = parse_scene(&text, path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     scene.avatar.resolve(folder);
@@ -24,7 +25,13 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
 
 /// Reads a scene from `text`; `path` names it in errors. See [`read_scene`].
 pub fn parse_scene(text: &str, path: &Path) -> Result<Scene> {
-    let scene: Scene = parse_toml(text, path)?;
+    let mut scene: Scene = parse_toml(text, path)?;
+    if scene.measure.full_press == f64::INFINITY {
+        scene.measure.full_press = scene.duration();
+    }
+    if scene.output.panels.is_empty() {
+        scene.output.panels = scene.default_panels();
+    }
     scene.validate().map_err(|e| of_file(e, path))?;
     Ok(scene)
 }
@@ -69,6 +76,24 @@ fn not_finite(value: &Value, key: String) -> Option<String> {
 }
 
 impl Scene {
+    /// Pictures of a scene that asks for none: settled, at full press, and at the end.
+    fn default_panels(&self) -> Vec<PanelTime> {
+        let panel = |time: f64| PanelTime {
+            time,
+            caption: format!("{time:.2} s"),
+            focus: None,
+            view: None,
+            colliders: true,
+        };
+        let mut times = vec![
+            self.measure.settled,
+            self.measure.full_press,
+            self.duration(),
+        ];
+        times.dedup();
+        times.into_iter().map(panel).collect()
+    }
+
     /// Checks every number that needs no avatar to be judged; NaN never gets here.
     pub fn validate(&self) -> Result<()> {
         const MOST_STEPS: usize = 10_000_000;
