@@ -122,7 +122,7 @@ fn a_scene_survives_serialisation() {
 #[test]
 fn a_scene_needs_a_name_steps_and_an_avatar_only() {
     let text = "name = \"short\"\nsteps = 50\n[avatar]\nsample = \"finger\"\n";
-    let scene = supple::load::parse_scene(text, Path::new("short.toml")).unwrap();
+    let scene = parse_scene(text, Path::new("short.toml")).unwrap();
     assert_eq!(scene.measure.full_press, scene.duration());
     let times: Vec<f64> = scene.output.panels.iter().map(|p| p.time).collect();
     assert_eq!(times, [0.0, scene.duration()]);

@@ -194,23 +194,29 @@ fn handles(avatar: &Avatar, stage: &Stage) -> Image {
     Stage::sheet(stage.both(&meshes, &what), None, Vec::new())
 }
 
-/// The column that moves the most skin, whole and near.
+/// A column as wide as most, of a handle that faces front or back: whole and near.
 fn basis_column(avatar: &Avatar, stage: &Stage) -> Image {
     let mut strength = vec![0.0; avatar.handles.len()];
     for (row, area) in avatar.skin.basis.iter().zip(&avatar.skin.measure) {
         row.iter()
             .for_each(|u| strength[u.handle as usize] += area * u.value * u.value);
     }
-    let strongest = (0..strength.len()).fold(0, |best, h| {
-        if strength[h] > strength[best] {
-            h
-        } else {
-            best
-        }
-    });
+    let search = NearestPoint::new(&stage.skin.positions);
+    let normals = stage.skin.vertex_normals();
+    let normal_at = |place: DVec3| {
+        let nearest = search.nearest(place).map_or(0, |(v, _)| v as usize);
+        normals.get(nearest).copied().unwrap_or(stage.front)
+    };
+    let facing = |h: &usize| normal_at(avatar.handles[*h]).dot(stage.front).abs() > 0.8;
+    let mut shown: Vec<usize> = (0..strength.len()).filter(facing).collect();
+    if shown.is_empty() {
+        shown = (0..strength.len()).collect();
+    }
+    shown.sort_by(|a, b| strength[*a].total_cmp(&strength[*b]));
+    let handle = shown.get(shown.len() / 2).copied().unwrap_or(0);
     let column: Vec<f64> = (avatar.skin.basis.iter())
         .map(|row| {
-            let entry = row.iter().find(|u| u.handle as usize == strongest);
+            let entry = row.iter().find(|u| u.handle as usize == handle);
             entry.map_or(0.0, |u| u.value)
         })
         .collect();
@@ -219,10 +225,8 @@ fn basis_column(avatar: &Avatar, stage: &Stage) -> Image {
         column.iter().map(|&u| colour_map(u)).collect(),
     );
     // Seen from outside, where the handle is.
-    let place = avatar.handles.get(strongest).copied().unwrap_or_default();
-    let search = NearestPoint::new(&stage.skin.positions);
-    let nearest = search.nearest(place).map_or(0, |(v, _)| v as usize);
-    let normal = skin.normals.get(nearest).copied().unwrap_or(stage.front);
+    let place = avatar.handles.get(handle).copied().unwrap_or_default();
+    let normal = normal_at(place);
     let towards = -(normal + 0.25 * stage.side + 0.25 * stage.up);
     let [front, back] = stage.directions();
     let whole = if normal.dot(stage.front) >= 0.0 {
@@ -245,7 +249,7 @@ fn basis_column(avatar: &Avatar, stage: &Stage) -> Image {
             &meshes,
             &stage.corners(),
             whole.0,
-            format!("U of handle {strongest} ({})", whole.1),
+            format!("U of handle {handle} ({})", whole.1),
         ),
         stage.panel(&meshes, &near, towards, "where it acts".into()),
     ];
