@@ -12,7 +12,10 @@ use supple::load::read_smpl;
 use supple::math::{Random, par_map, rotation_exp};
 use supple::model::{Body, ParametricModel, Surface};
 use supple::sample::SampleBody;
-use surface::{components, edges, is_manifold, self_intersections, smallest_angle, winding_number};
+use surface::{
+    components, dense_weights, edges, is_manifold, self_intersections, smallest_angle,
+    winding_number,
+};
 
 /// About an edge's length, m.
 const CELL: f64 = 0.02;
@@ -203,18 +206,7 @@ fn legs_and_fingers_stay_apart() {
 #[test]
 fn weights_are_a_smooth_partition_without_seams() {
     let model = &body().model;
-    let dense: Vec<[f64; 24]> = model
-        .weights
-        .iter()
-        .map(|row| {
-            assert!((1..=5).contains(&row.len()));
-            let mut dense = [0.0; 24];
-            row.iter().for_each(|w| dense[w.bone as usize] = w.weight);
-            assert!(dense.iter().all(|&w| (0.0..=1.0).contains(&w)));
-            assert!((dense.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            dense
-        })
-        .collect();
+    let dense = dense_weights::<24>(model, 5);
     for (i, j) in edges(&model.triangles) {
         let (a, b) = (&dense[i as usize], &dense[j as usize]);
         let length = model.template[i as usize].distance(model.template[j as usize]);

@@ -8,8 +8,8 @@ use supple::glam::{DMat3, DVec3};
 use supple::model::{ParametricModel, Surface};
 use supple::sample::SampleHand;
 use surface::{
-    Grid, components, crossing, distance_to_triangle, edges, is_manifold, self_intersections,
-    smallest_angle, winding_number,
+    Grid, components, crossing, dense_weights, distance_to_triangle, edges, is_manifold,
+    self_intersections, smallest_angle, winding_number,
 };
 
 /// About an edge's length, m.
@@ -133,18 +133,7 @@ fn bones_do_not_enter_each_other() {
 #[test]
 fn weights_are_a_smooth_partition_without_seams() {
     let model = &hand().model;
-    let dense: Vec<[f64; 16]> = model
-        .weights
-        .iter()
-        .map(|row| {
-            assert!((1..=4).contains(&row.len()));
-            let mut dense = [0.0; 16];
-            row.iter().for_each(|w| dense[w.bone as usize] = w.weight);
-            assert!(dense.iter().all(|&w| (0.0..=1.0).contains(&w)));
-            assert!((dense.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            dense
-        })
-        .collect();
+    let dense = dense_weights::<16>(model, 4);
     for (i, j) in edges(&model.triangles) {
         let (a, b) = (&dense[i as usize], &dense[j as usize]);
         let length = model.template[i as usize].distance(model.template[j as usize]);

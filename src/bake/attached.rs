@@ -43,7 +43,7 @@ pub(super) fn followed(body: &Body) -> Rows<(u32, f64)> {
             (low.min(*p), high.max(*p))
         });
     let fade = FADE.map(|share| share * (high - low).max_element());
-    let around = triangles_around(skin);
+    let around = skin.triangles_around();
     let mut rows = Rows::default();
     for attachment in &body.attachments {
         let positions = &attachment.surface.positions;
@@ -103,17 +103,6 @@ pub(super) fn with_attachments(
         .iter()
         .for_each(|row| out.basis.push(row.iter().copied()));
     (out, triangles)
-}
-
-/// Triangles around each vertex.
-fn triangles_around(skin: &Surface) -> Rows<u32> {
-    let mut around = vec![Vec::new(); skin.positions.len()];
-    for (t, triangle) in skin.triangles.iter().enumerate() {
-        triangle
-            .iter()
-            .for_each(|&v| around[v as usize].push(t as u32));
-    }
-    around.into_iter().collect()
 }
 
 /// Barycentric coordinates of the point of `triangles` that is nearest to `p`, faded with its distance.

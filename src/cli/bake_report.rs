@@ -71,6 +71,16 @@ fn cubature(c: &CubatureReport) -> String {
     )
 }
 
+/// An attached part in words.
+pub(super) fn attached(name: &str, vertices: usize, follows_tissue: bool) -> String {
+    let followed = if follows_tissue {
+        "the tissue"
+    } else {
+        "its bones"
+    };
+    format!("{name}: {vertices} vertices, follows {followed}")
+}
+
 /// Writes the table.
 pub fn print_bake_report(r: &BakeReport) {
     let [x, y, z] = r.extent;
@@ -100,15 +110,7 @@ pub fn print_bake_report(r: &BakeReport) {
         ));
     }
     for a in &r.attachments {
-        let how = if a.follows_tissue {
-            "follows the tissue"
-        } else {
-            "follows its bones"
-        };
-        rows.push((
-            "attached",
-            format!("{}: {} vertices, {how}", a.name, a.vertices),
-        ));
+        rows.push(("attached", attached(&a.name, a.vertices, a.follows_tissue)));
     }
     for note in &r.notes {
         rows.push(("note", note.clone()));

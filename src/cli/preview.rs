@@ -1,5 +1,6 @@
 //! What is in a character file before it is baked.
 
+use super::bake_report::attached;
 use super::print_table;
 use crate::Result;
 use crate::bake::mesh::SkinReport;
@@ -130,15 +131,7 @@ impl Preview {
             rows.push(("encloses", format!("{:.3} l", 1e3 * self.skin_volume)));
         }
         for a in &self.attachments {
-            let how = if a.follows_tissue {
-                "follows the tissue"
-            } else {
-                "follows its bones"
-            };
-            rows.push((
-                "attached",
-                format!("{}: {} vertices, {how}", a.name, a.vertices),
-            ));
+            rows.push(("attached", attached(&a.name, a.vertices, a.follows_tissue)));
         }
         if !self.drawn_parts.is_empty() {
             rows.push(("drawn parts", list(&self.drawn_parts)));

@@ -1,5 +1,6 @@
 //! Triangle surfaces.
 
+use crate::math::Rows;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +30,17 @@ impl Surface {
     pub fn area_vector(&self, t: usize) -> DVec3 {
         let [a, b, c] = self.corners(t);
         0.5 * (b - a).cross(c - a)
+    }
+
+    /// The triangles around each vertex, rising.
+    pub fn triangles_around(&self) -> Rows<u32> {
+        let mut around = vec![Vec::new(); self.positions.len()];
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            triangle
+                .iter()
+                .for_each(|&v| around[v as usize].push(t as u32));
+        }
+        around.into_iter().collect()
     }
 
     /// A third of the area of the triangles around each vertex, m².

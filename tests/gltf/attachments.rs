@@ -126,18 +126,7 @@ fn the_closed_body_is_tissue_and_the_rest_hangs_on_it() {
             .iter()
             .map(|p| *p + DVec3::Y * shift)
             .collect();
-        let (joints, weights) = bar.influences();
-        let attributes = json!({
-            "POSITION": file.vectors(&places),
-            "JOINTS_0": file.accessor(BYTE, "VEC4", joints.len(), joints.as_flattened()),
-            "WEIGHTS_0": file.floats("VEC4", &weights),
-        });
-        let indices = file.shorts(
-            "SCALAR",
-            3 * bar.triangles.len(),
-            bar.triangles.as_flattened(),
-        );
-        let second = json!({"attributes": attributes, "indices": indices});
+        let second = bar.primitive(&mut file, &places);
         file.json["meshes"][0]["primitives"]
             .as_array_mut()
             .unwrap()

@@ -162,6 +162,22 @@ impl Bar {
         };
         self.along.iter().map(influence).unzip()
     }
+
+    /// A skinned primitive of `file` with the bar's triangles and its vertices at `positions`.
+    pub fn primitive(&self, file: &mut Fixture, positions: &[DVec3]) -> Value {
+        let (joints, weights) = self.influences();
+        let attributes = json!({
+            "POSITION": file.vectors(positions),
+            "JOINTS_0": file.accessor(BYTE, "VEC4", joints.len(), joints.as_flattened()),
+            "WEIGHTS_0": file.floats("VEC4", &weights),
+        });
+        let indices = file.shorts(
+            "SCALAR",
+            3 * self.triangles.len(),
+            self.triangles.as_flattened(),
+        );
+        json!({"attributes": attributes, "indices": indices})
+    }
 }
 
 /// Local placements of the bar's joints: rest rotations, and offsets that put each a third further
@@ -259,18 +275,7 @@ pub fn bar_file(options: &BarFile) -> Fixture {
         .iter()
         .map(|p| back.transform_point3(*p))
         .collect();
-    let (joints, weights) = bar.influences();
-    let attributes = json!({
-        "POSITION": file.vectors(&positions),
-        "JOINTS_0": file.accessor(BYTE, "VEC4", joints.len(), joints.as_flattened()),
-        "WEIGHTS_0": file.floats("VEC4", &weights),
-    });
-    let indices = file.shorts(
-        "SCALAR",
-        3 * bar.triangles.len(),
-        bar.triangles.as_flattened(),
-    );
-    let primitive = json!({"attributes": attributes, "indices": indices});
+    let primitive = bar.primitive(&mut file, &positions);
     file.push("meshes", json!({"name": "bar", "primitives": [primitive]}));
     file.push("nodes", json!({"name": "mesh", "mesh": 0, "skin": 0}));
     file

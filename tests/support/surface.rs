@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use supple::glam::DVec3;
-use supple::model::Surface;
+use supple::model::{ParametricModel, SkinWeight, Surface};
 
 /// Undirected edges, each once.
 pub fn edges(triangles: &[[u32; 3]]) -> BTreeSet<(u32, u32)> {
@@ -172,4 +172,20 @@ pub fn smallest_angle([a, b, c]: [DVec3; 3]) -> f64 {
         .map(|(p, q, r)| (q - p).angle_between(r - p))
         .into_iter()
         .fold(f64::MAX, f64::min)
+}
+
+/// The skin weights of each vertex, one a bone: a partition of unity over `most` bones at most.
+pub fn dense_weights<const BONES: usize>(
+    model: &ParametricModel,
+    most: usize,
+) -> Vec<[f64; BONES]> {
+    let dense = |row: &[SkinWeight]| {
+        assert!((1..=most).contains(&row.len()));
+        let mut dense = [0.0; BONES];
+        row.iter().for_each(|w| dense[w.bone as usize] = w.weight);
+        assert!(dense.iter().all(|&w| (0.0..=1.0).contains(&w)));
+        assert!((dense.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        dense
+    };
+    model.weights.iter().map(dense).collect()
 }

@@ -5,7 +5,7 @@
 use super::bcc::{BccLattice, share_face};
 use super::disjoint_sets::DisjointSets;
 use super::samples::Samples;
-use crate::math::{Rows, par_map};
+use crate::math::par_map;
 use crate::model::Surface;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -47,7 +47,7 @@ impl SkinPoints {
             pieces: HashMap::new(),
             across_faces: Vec::new(),
         };
-        for (&place, triangles) in skin.positions.iter().zip(triangles_around(skin).iter()) {
+        for (&place, triangles) in skin.positions.iter().zip(skin.triangles_around().iter()) {
             walk.add(place, triangles.to_vec());
         }
         for (a, b, triangles) in edges(skin) {
@@ -236,17 +236,6 @@ pub(super) fn segment_meets(p: DVec3, q: DVec3, &[a, b, c]: &[DVec3; 3]) -> bool
     let (v, t) = (way.dot(g), ac.dot(g));
     let slack = 1e-9;
     u >= -slack && v >= -slack && u + v <= 1.0 + slack && (0.0..=1.0).contains(&t)
-}
-
-/// The triangles around each vertex.
-fn triangles_around(skin: &Surface) -> Rows<u32> {
-    let mut around = vec![Vec::new(); skin.positions.len()];
-    for (t, triangle) in skin.triangles.iter().enumerate() {
-        triangle
-            .iter()
-            .for_each(|&v| around[v as usize].push(t as u32));
-    }
-    around.into_iter().collect()
 }
 
 /// Every edge once, with its triangles.
