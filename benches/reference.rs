@@ -24,11 +24,8 @@ fn hand_sized(points: usize) -> Arc<supple::model::Avatar> {
 
 fn colliders() -> [Collider; 2] {
     let collider = |shape, position, rotation| Collider {
-        shape,
-        frame: Frame { rotation, position },
-        previous: Frame { rotation, position },
-        stiffness: 1e8,
         margin: 1e-3,
+        ..Collider::new(shape, Frame { rotation, position })
     };
     let cylinder = Shape::Cylinder {
         radius: 0.008,

@@ -26,11 +26,8 @@ fn main() -> supple::Result<()> {
         ..Frame::IDENTITY
     };
     let colliders = [Collider {
-        shape: Shape::HalfSpace,
-        frame,
-        previous: frame,
-        stiffness: 1e8,
         margin: 1e-3,
+        ..Collider::new(Shape::HalfSpace, frame)
     }];
     let step = vec![1e-5; avatar.space().dofs()];
     let mut states: [State; 3] = {

@@ -27,11 +27,9 @@ fn drive(instance: &mut Instance, k: usize, avatar: &supple::model::Avatar) {
     };
     instance.colliders = vec![
         Collider {
-            shape: Shape::Sphere { radius: 0.04 },
-            frame,
-            previous: frame,
             stiffness: 1e6,
             margin: 1e-4,
+            ..Collider::new(Shape::Sphere { radius: 0.04 }, frame)
         };
         k
     ];

@@ -31,13 +31,8 @@ fn press(time_step: f64, solver: SolverMode) -> Simulation<Reference> {
     let instance = &mut simulation.instances_mut()[0];
     let frame = instance.state.frames[0];
     instance.pins.push(Pin { bone: 0, frame });
-    instance.colliders.push(Collider {
-        shape: Shape::Sphere { radius: 0.03 },
-        frame: sphere(0.075),
-        previous: sphere(0.075),
-        stiffness: 1e8,
-        margin: 0.0,
-    });
+    let ball = Shape::Sphere { radius: 0.03 };
+    instance.colliders.push(Collider::new(ball, sphere(0.075)));
     simulation
 }
 

@@ -91,19 +91,12 @@ fn energy_never_rises() -> Result<()> {
     let mut simulation = simulation(&avatar, settings);
     let instance = &mut simulation.instances_mut()[0];
     instance.targets = vec![Tracking::new(0, instance.state.frames[0])];
-    instance.colliders.push(Collider {
-        shape: Shape::HalfSpace,
-        frame: Frame {
-            position: DVec3::new(0.0, 0.0, -0.05),
-            ..Frame::IDENTITY
-        },
-        previous: Frame {
-            position: DVec3::new(0.0, 0.0, -0.05),
-            ..Frame::IDENTITY
-        },
-        stiffness: 1e8,
-        margin: 0.0,
-    });
+    let floor = Frame {
+        position: DVec3::new(0.0, 0.0, -0.05),
+        ..Frame::IDENTITY
+    };
+    let floor = Collider::new(Shape::HalfSpace, floor);
+    instance.colliders.push(floor);
     // Both the second bone and its tissue start in swing.
     let w = DVec3::new(0.0, 8.0, 3.0);
     instance.previous.frames[1].rotation = rotation_exp(-w * 0.01);
@@ -274,13 +267,9 @@ fn scene(placement: &Frame, solver: SolverMode) -> Result<(Avatar, State)> {
         damping: 0.1,
     });
     instance.targets.push(target);
-    instance.colliders.push(Collider {
-        shape: Shape::Sphere { radius: 0.03 },
-        frame: place(&sphere(0.07)),
-        previous: place(&sphere(0.07)),
-        stiffness: 1e8,
-        margin: 0.0,
-    });
+    let ball = Shape::Sphere { radius: 0.03 };
+    let ball = Collider::new(ball, place(&sphere(0.07)));
+    instance.colliders.push(ball);
     let mut touched = 0;
     for step in 1..=15 {
         let instance = &mut simulation.instances_mut()[0];

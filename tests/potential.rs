@@ -31,15 +31,16 @@ fn soft(youngs_modulus: f64) -> Material {
 
 /// Every shape, turned and placed so that part of the skin is in it.
 fn colliders(random: &mut Random) -> Vec<Collider> {
-    let place = |shape| Collider {
-        shape,
-        frame: Frame {
+    let place = |shape| {
+        let frame = Frame {
             rotation: random.rotation(1.0),
             position: DVec3::new(1.0, 2.0, 3.0) + random.vector(0.04),
-        },
-        previous: Frame::IDENTITY,
-        stiffness: 1e6,
-        margin: 4e-3,
+        };
+        Collider {
+            stiffness: 1e6,
+            margin: 4e-3,
+            ..Collider::new(shape, frame)
+        }
     };
     Shape::examples().into_iter().map(place).collect()
 }

@@ -21,11 +21,8 @@ fn floor(height: f64) -> Collider {
         position: DVec3::Z * height,
     };
     Collider {
-        shape: Shape::HalfSpace,
-        frame,
-        previous: frame,
-        stiffness: 1e8,
         margin: 1e-3,
+        ..Collider::new(Shape::HalfSpace, frame)
     }
 }
 

@@ -162,15 +162,10 @@ fn the_wrists_load_is_contact_and_weight() -> Result<()> {
             position: DVec3::new(0.1, 0.0, 0.14 - press),
             rotation: DMat3::IDENTITY,
         };
-        instance.colliders.push(Collider {
-            shape: Shape::Box {
-                half_extents: [0.1; 3],
-            },
-            frame: plate(0.0),
-            previous: plate(0.0),
-            stiffness: 1e8,
-            margin: 0.0,
-        });
+        let shape = Shape::Box {
+            half_extents: [0.1; 3],
+        };
+        instance.colliders.push(Collider::new(shape, plate(0.0)));
         let mut last = None;
         for step in 1..=150 {
             let press = 0.006 * f64::min(1.0, step as f64 / 50.0);

@@ -175,22 +175,43 @@ impl Shape {
     }
 }
 
-/// A rigid solid that the skin cannot enter.
+/// A rigid solid that the skin cannot enter: kinematic, or fixed to a frame of the system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collider {
     /// Its shape.
     pub shape: Shape,
-    /// Where it is at the end of the step.
+    /// Where it is at the end of the step; with a carrier, where it is in that frame (a point x of the
+    /// collider is at R (frame x) + c).
     pub frame: Frame,
-    /// Where it was at the start of the step.
+    /// Where it was at the start of the step; not read where there is a carrier.
     pub previous: Frame,
     /// Penalty stiffness k, Pa/m.
     pub stiffness: f64,
     /// d̂: distance at which contact begins, m.
     pub margin: f64,
+    /// Coefficient of friction μ; 0 slides freely.
+    pub friction: f64,
+    /// The frame of the system that it is fixed to, and pushes: none where its motion is given.
+    pub carrier: Option<u32>,
 }
 
 impl Collider {
+    /// Above it μ is taken for a mistake.
+    pub const MOST_FRICTION: f64 = 10.0;
+
+    /// A collider that stands still: k = 10⁸ Pa/m, no margin, no friction, no carrier.
+    pub fn new(shape: Shape, frame: Frame) -> Self {
+        Self {
+            shape,
+            frame,
+            previous: frame,
+            stiffness: 1e8,
+            margin: 0.0,
+            friction: 0.0,
+            carrier: None,
+        }
+    }
+
     /// Distance and normal at a world point, the collider standing at the end of the step.
     pub fn signed_distance(&self, point: DVec3) -> SignedDistance {
         let local = self
@@ -221,7 +242,7 @@ impl Collider {
         }
     }
 
-    /// Checks sizes, frames, stiffness and margin.
+    /// Checks sizes, frames, stiffness, margin and friction; whether there is such a carrier, the potential checks.
     pub fn validate(&self) -> Result<()> {
         self.shape.validate()?;
         for (field, frame) in [
@@ -241,6 +262,12 @@ impl Collider {
             return Err(Error::invalid(
                 "collider.margin",
                 format!("{}; must be zero or positive (m)", self.margin),
+            ));
+        }
+        if !(0.0..=Self::MOST_FRICTION).contains(&self.friction) {
+            return Err(Error::invalid(
+                "collider.friction",
+                format!("{}; must be 0 to {}", self.friction, Self::MOST_FRICTION),
             ));
         }
         Ok(())

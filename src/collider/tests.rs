@@ -130,13 +130,7 @@ fn a_collider_measures_in_its_own_frame() {
             rotation: random.rotation(2.0),
             position: random.vector(1.0),
         };
-        let collider = Collider {
-            shape,
-            frame,
-            previous: Frame::IDENTITY,
-            stiffness: 1e8,
-            margin: 0.0,
-        };
+        let collider = Collider::new(shape, frame);
         collider.validate().unwrap();
         let local = random.vector(0.05);
         let world = collider.signed_distance(frame.transform(local));
@@ -151,13 +145,7 @@ fn a_collider_measures_in_its_own_frame() {
 
 #[test]
 fn unusable_colliders_are_refused_by_name() {
-    let good = Collider {
-        shape: Shape::Sphere { radius: 0.1 },
-        frame: Frame::IDENTITY,
-        previous: Frame::IDENTITY,
-        stiffness: 1e8,
-        margin: 1e-3,
-    };
+    let good = Collider::new(Shape::Sphere { radius: 0.1 }, Frame::IDENTITY);
     let sheared = Frame {
         rotation: DMat3::from_diagonal(DVec3::new(1.0, 1.0, 2.0)),
         position: DVec3::ZERO,
@@ -183,6 +171,13 @@ fn unusable_colliders_are_refused_by_name() {
                 ..good
             },
             "collider.margin",
+        ),
+        (
+            Collider {
+                friction: 10.5,
+                ..good
+            },
+            "collider.friction",
         ),
         (
             Collider {

@@ -43,12 +43,14 @@ pub struct Energies {
     pub damping: f64,
     /// Σ ½ k a (d̂ − d)₊².
     pub contact: f64,
+    /// Σ μ λ f₀(|u_T|).
+    pub friction: f64,
 }
 
 impl Energies {
     /// Their sum.
     pub fn total(&self) -> f64 {
-        self.inertia + self.gravity + self.elastic + self.damping + self.contact
+        self.inertia + self.gravity + self.elastic + self.damping + self.contact + self.friction
     }
 }
 

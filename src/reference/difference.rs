@@ -70,6 +70,6 @@ fn point_difference<B: Basis>(
         damping: step.damping(i, since_start).map_or(0.0, |d| {
             energy::damping(weight, d.rate, d.tangent, change, since_start)
         }),
-        contact: 0.0,
+        ..Energies::default()
     }
 }

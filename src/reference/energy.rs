@@ -48,6 +48,7 @@ pub fn sum(points: &[Energies]) -> Energies {
         total.elastic += point.elastic;
         total.damping += point.damping;
         total.contact += point.contact;
+        total.friction += point.friction;
     }
     total
 }

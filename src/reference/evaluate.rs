@@ -253,7 +253,7 @@ fn evaluate_point<B: Basis>(
         damping: damping.map_or(0.0, |d| {
             energy::damping(weight, d.rate, d.tangent, f_change, DMat3::ZERO)
         }),
-        contact: 0.0,
+        ..Energies::default()
     };
     (terms, energies)
 }

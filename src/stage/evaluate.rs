@@ -129,6 +129,7 @@ pub(super) fn energies(summary: &Summary) -> Result<Energies> {
         elastic: e.elastic.into(),
         damping: e.damping.into(),
         contact: e.contact.into(),
+        friction: 0.0,
     };
     if energies.total().is_finite() && e.force.iter().all(|f| f.is_finite()) {
         return Ok(energies);

@@ -42,11 +42,9 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
             position: current.frames[0].position + random.vector(0.02),
         };
         Collider {
-            shape,
-            frame,
-            previous: frame,
             stiffness: 1e6,
             margin: 3e-3,
+            ..Collider::new(shape, frame)
         }
     };
     // A different number of colliders for each.

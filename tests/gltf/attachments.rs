@@ -241,11 +241,8 @@ fn attachments_touch_nothing() {
         let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
         let mut simulation = Simulation::new(&avatar, potential, Settings::default()).unwrap();
         simulation.instances_mut()[0].colliders.push(Collider {
-            shape: Shape::Sphere { radius: 0.03 },
-            frame,
-            previous: frame,
             stiffness: 1e6,
-            margin: 0.0,
+            ..Collider::new(Shape::Sphere { radius: 0.03 }, frame)
         });
         let report = simulation.step_blocking().unwrap().instances.remove(0);
         assert_eq!(report.contacts > 0, touches, "{} contacts", report.contacts);

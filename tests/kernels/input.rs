@@ -69,11 +69,9 @@ pub fn colliders(seed: u64, origin: DVec3) -> Vec<Collider> {
             position: origin + offset,
         };
         Collider {
-            shape: rounded_shape(shape),
-            frame,
-            previous: frame,
             stiffness: single(random.uniform(1e6, 2e6)),
             margin: single(random.uniform(2e-3, 6e-3)),
+            ..Collider::new(rounded_shape(shape), frame)
         }
     };
     Shape::examples().into_iter().map(collider).collect()

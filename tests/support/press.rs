@@ -48,13 +48,8 @@ pub fn press(avatar: &Avatar, sparse: bool) -> Pressed {
     let instance = &mut simulation.instances_mut()[0];
     let frame = instance.state.frames[0];
     instance.pins.push(Pin { bone: 0, frame });
-    instance.colliders.push(Collider {
-        shape: Shape::Sphere { radius: 0.03 },
-        frame: sphere(0.0),
-        previous: sphere(0.0),
-        stiffness: 1e8,
-        margin: 0.0,
-    });
+    let ball = Shape::Sphere { radius: 0.03 };
+    instance.colliders.push(Collider::new(ball, sphere(0.0)));
     let mut force = 0.0;
     for depth in [0.0, 0.004, 0.008, 0.012] {
         let instance = &mut simulation.instances_mut()[0];

@@ -109,11 +109,10 @@ impl Driver {
             motion.start(&self.start, instance);
         }
         let collider = |c: &SceneCollider| Collider {
-            shape: c.shape,
-            frame: c.motion.at(0.0),
-            previous: c.motion.at(0.0),
             stiffness: c.stiffness,
             margin: c.margin,
+            friction: c.friction,
+            ..Collider::new(c.shape, c.motion.at(0.0))
         };
         instance.colliders = self.colliders.iter().map(collider).collect();
     }

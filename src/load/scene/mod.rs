@@ -123,6 +123,9 @@ pub struct SceneCollider {
     /// d̂: distance at which contact begins, m.
     #[serde(default)]
     pub margin: f64,
+    /// Coefficient of friction μ, 0 to 10.
+    #[serde(default)]
+    pub friction: f64,
     /// Where it is, in the world.
     #[serde(default)]
     pub motion: Motion,

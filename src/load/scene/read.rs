@@ -1,6 +1,7 @@
 //! TOML to scenes.
 
 use super::{PanelTime, Scene};
+use crate::collider::Collider;
 use crate::load::file::read_toml_text;
 use crate::{Error, Result};
 use serde::de::DeserializeOwned;
@@ -153,6 +154,11 @@ impl Scene {
                 collider.margin >= 0.0,
                 format!("{field}.margin"),
                 "must be zero or positive (m)",
+            )?;
+            check(
+                (0.0..=Collider::MOST_FRICTION).contains(&collider.friction),
+                format!("{field}.friction"),
+                "must be 0 to 10 (no unit)",
             )?;
         }
         let within = |time: f64| (0.0..=self.duration() * (1.0 + 1e-9)).contains(&time);
