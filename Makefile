@@ -1,9 +1,14 @@
-.PHONY: demo test bench bench-smoke ci
+.PHONY: demo figures test bench bench-smoke ci
 
 # The soft hand pressed on a cylinder; pictures, GLB and report in out/hand_press.
 # `make demo ARGS=--allow-software` takes a software adapter where there is no GPU.
 demo:
 	cargo run --release --features cli -- simulate assets/scenes/hand_press.toml -o out/hand_press $(ARGS)
+
+# Every figure of the paper as a scene that is run, drawn and checked: a gallery in out/figures.
+# `make figures ARGS="--only finger_slide"` makes one of them.
+figures:
+	cargo run --release --features cli -- figures -o out/figures $(ARGS)
 
 # Installs a software Vulkan driver if there is no adapter (Debian), then runs every test.
 test:

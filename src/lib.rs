@@ -37,7 +37,7 @@
 //! | 3 | [`reference`](mod@reference), `stage`, [`skeleton`], [`motion`] | the f64 evaluation, the WGSL evaluation, the bones' own energies, recorded motion on a skeleton |
 //! | 4 | [`load`], [`sample`], [`bake`], [`sim`] | files in, generated models, offline precomputation, the step |
 //! | 5 | [`export`] | pictures, GLB, reports out |
-//! | 6 | `cli` | the command |
+//! | 6 | `figures`, `cli` | the gallery of figures, the command |
 //!
 //! # Units and conventions
 //!
@@ -51,6 +51,8 @@ pub mod cli;
 pub mod collider;
 pub mod error;
 pub mod export;
+#[cfg(feature = "cli")]
+pub mod figures;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod load;

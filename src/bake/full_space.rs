@@ -6,7 +6,7 @@ use super::interior::InteriorField;
 use super::points::{basis_at_tets, basis_on_skin, rows_through, skinning_at_tets};
 use crate::Result;
 use crate::math::Rows;
-use crate::model::{Avatar, PointSet, PoseBlend, SoftLayer};
+use crate::model::{Avatar, BasisEntry, PointSet, PoseBlend, SoftLayer};
 
 /// `avatar` with every tet of its layer as a cubature point, in the same basis.
 ///
@@ -59,6 +59,22 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
             ..layer.clone()
         },
     })
+}
+
+/// `avatar` without handles: its skin follows the bones exactly, and the tissue only weighs.
+pub fn without_tissue(avatar: &Avatar) -> Avatar {
+    let mut rigid = Avatar {
+        name: format!("{}, without tissue", avatar.name),
+        handles: Vec::new(),
+        ..avatar.clone()
+    };
+    let rows = |count: usize| (0..count).map(|_| None::<BasisEntry>).collect();
+    rigid.skin.basis = rows(avatar.skin.len());
+    rigid.cubature.basis = rows(avatar.cubature.len());
+    rigid.layer.basis = (0..avatar.layer.basis.len())
+        .map(|_| None::<(u32, f64)>)
+        .collect();
+    rigid
 }
 
 /// Every tet as a point of measure volume × tissue fraction.

@@ -38,7 +38,7 @@ pub use biharmonic_energy::{BasisEnergy, biharmonic_energy};
 pub use bone_mass::{BoneMassReport, bone_masses, surface_mass};
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
 pub use file::{Baked, from_bytes, read_avatar, read_baked, to_bytes, write_avatar, write_baked};
-pub use full_space::{all_tets, full_space};
+pub use full_space::{all_tets, full_space, without_tissue};
 pub use handles::{HandlePlace, HandleRegion, Handles};
 pub use interior::InteriorField;
 pub use mesher::Mesher;

@@ -1,9 +1,9 @@
 //! The `supple` command: arguments in, files and tables out. What it does is in the library.
 
 mod adapters;
-mod avatar;
 mod bake;
 mod bake_report;
+mod figures;
 mod inspect;
 mod motion;
 mod preview;
@@ -31,6 +31,8 @@ enum Command {
     Bake(bake::Arguments),
     /// Simulate a scene: pictures, a GLB file and a report.
     Simulate(simulate::Arguments),
+    /// Run the figures of the paper, and write a page with their pictures, measures and checks.
+    Figures(figures::Arguments),
     /// Say what is in a baked file, or in a character file before it is baked.
     Inspect(inspect::Arguments),
     /// Say what is in a motion, and draw an avatar that follows it.
@@ -46,6 +48,7 @@ pub fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Bake(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
+        Command::Figures(arguments) => arguments.run(),
         Command::Inspect(arguments) => arguments.run(),
         Command::Motion(arguments) => arguments.run(),
         Command::Adapters(arguments) => arguments.run(),

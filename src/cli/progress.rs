@@ -14,14 +14,22 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// A bar over a bake's phases, and what tells it the phase.
+/// A bar over the phases of the bake of a body with the given name.
 pub fn baking(name: &str) -> impl FnMut(usize) {
     let bar = bar(PHASES.len(), name);
-    move |phase| {
-        bar.set_position(phase as u64);
-        match PHASES.get(phase) {
-            Some(name) => bar.set_message(*name),
-            None => bar.finish_and_clear(),
-        }
+    move |phase| show_phase(&bar, phase)
+}
+
+/// The same for a bake that may turn out not to be needed, whose body's name comes with its phases.
+pub fn baking_if_needed() -> impl FnMut(&str, usize) {
+    let mut shown = None;
+    move |name, phase| show_phase(shown.get_or_insert_with(|| bar(PHASES.len(), name)), phase)
+}
+
+fn show_phase(bar: &ProgressBar, phase: usize) {
+    bar.set_position(phase as u64);
+    match PHASES.get(phase) {
+        Some(name) => bar.set_message(*name),
+        None => bar.finish_and_clear(),
     }
 }

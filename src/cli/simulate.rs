@@ -1,11 +1,11 @@
 //! `supple simulate`.
 
-use super::{avatar, make_folder, print, print_json, print_table, progress, to_json};
+use super::{make_folder, print, print_json, print_table, progress, to_json};
 use crate::bake::full_space;
 use crate::export::{Breakdown, Report, SceneRun, picture_strip, run_scene, write_glb};
 use crate::gpu::{AdapterChoice, GpuDevice};
 use crate::load::motion::TrackedMotion;
-use crate::load::{Scene, read_scene};
+use crate::load::{Scene, load_avatar, read_scene};
 use crate::model::Avatar;
 use crate::potential::Potential;
 use crate::reference::Reference;
@@ -73,9 +73,12 @@ impl Arguments {
                 None => TrackedMotion::of_file(file),
             });
         }
-        let mut avatar = avatar::load(&scene.avatar, &self.cache)?;
-        avatar.material = scene.material.unwrap_or(avatar.material);
-        avatar.damping_time = scene.damping_time.unwrap_or(avatar.damping_time);
+        let mut avatar = load_avatar(
+            &scene.avatar,
+            &self.cache,
+            &mut progress::baking_if_needed(),
+        )?;
+        scene.dress(&mut avatar);
         if self.full_space {
             avatar = full_space(&avatar)?;
         }

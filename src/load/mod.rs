@@ -20,8 +20,8 @@ mod tissue;
 mod weld;
 
 pub use avatar_source::{
-    AvatarSource, Sample, SourceBody, avatar_source_of, parse_avatar_source, read_avatar_source,
-    read_recipe_for,
+    AvatarSource, Sample, SourceBody, avatar_source_of, load_avatar, parse_avatar_source,
+    read_avatar_source, read_recipe_for,
 };
 #[cfg(feature = "cli")]
 pub(crate) use avatar_source::{PALM, SOFT, map_of};

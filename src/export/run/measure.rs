@@ -46,6 +46,11 @@ impl<'a> Measures<'a> {
         &self.displacement
     }
 
+    /// What the steps told.
+    pub fn steps(&self) -> &[StepReport] {
+        &self.steps
+    }
+
     /// Takes in step number `step`, counted from 1.
     pub fn add(&mut self, step: usize, report: &StepReport, instance: &Instance, skin: &[DVec3]) {
         const MM: f64 = 1e3;

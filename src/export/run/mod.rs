@@ -16,7 +16,7 @@ use crate::load::scene::PanelTime;
 use crate::model::{Avatar, Frame, State};
 use crate::motion::BoneMap;
 use crate::potential::Potential;
-use crate::sim::Simulation;
+use crate::sim::{Simulation, StepReport};
 use glam::DVec3;
 use measure::Measures;
 
@@ -25,6 +25,8 @@ use measure::Measures;
 pub struct SceneRun {
     /// Its figures.
     pub report: Report,
+    /// What each step told about itself.
+    pub steps: Vec<StepReport>,
     /// Its motion.
     pub recording: Recording,
     /// Which bones of its motion drove which of the avatar, if it has one.
@@ -93,7 +95,9 @@ pub fn run_scene<P: Potential>(
         }
         progress(step);
     }
+    let steps = measures.steps().to_vec();
     Ok(SceneRun {
+        steps,
         report: measures.report(avatar, simulation.potential().name()),
         recording,
         bone_map: driver.bone_map().cloned(),

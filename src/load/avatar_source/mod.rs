@@ -1,7 +1,9 @@
 //! Where an avatar comes from: a baked file, or a body and how it is baked.
 
+mod cache;
 mod samples;
 
+pub use cache::load_avatar;
 pub use samples::Sample;
 #[cfg(feature = "cli")]
 pub(crate) use samples::{PALM, SOFT, map_of};

@@ -13,6 +13,7 @@ use super::AvatarSource;
 use super::motion::TrackedMotion;
 use crate::collider::Shape;
 use crate::material::Material;
+use crate::model::Avatar;
 use crate::sim::Settings;
 use crate::skeleton::Spring;
 use glam::DVec3;
@@ -238,6 +239,12 @@ impl Scene {
     /// Time at the end of the last step, s.
     pub fn duration(&self) -> f64 {
         self.steps as f64 * self.settings.time_step
+    }
+
+    /// Gives `avatar` the tissue that the scene asks for in place of the baked one.
+    pub fn dress(&self, avatar: &mut Avatar) {
+        avatar.material = self.material.unwrap_or(avatar.material);
+        avatar.damping_time = self.damping_time.unwrap_or(avatar.damping_time);
     }
 
     /// The step whose end is nearest to `time`, from 1 to the number of steps.

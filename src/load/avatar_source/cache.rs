@@ -1,32 +1,38 @@
-//! Avatars of scenes: read where they are baked, baked once where they are not.
+//! Bakes kept in a folder, so that none is made twice.
 
-use super::{make_folder, progress};
+use super::{AvatarSource, read_avatar_source};
 use crate::bake::{bake, read_avatar, write_baked};
-use crate::load::{AvatarSource, read_avatar_source};
 use crate::model::Avatar;
 use crate::{Error, Result};
 use std::path::Path;
 
-/// The avatar of `source`. A bake is kept in `cache` under a name made from everything it depends on.
-pub fn load(source: &AvatarSource, cache: &Path) -> Result<Avatar> {
+/// The avatar of `source`: read where it is baked, baked once where it is not. A bake is kept in the folder `cache`
+/// under a name made from everything it depends on; `progress` hears the body's name and the number of phases done.
+///
+/// # Errors
+/// What reading and baking say, [`Error::Io`] of the folder. A damaged file in it is baked again.
+pub fn load_avatar(
+    source: &AvatarSource,
+    cache: &Path,
+    progress: &mut dyn FnMut(&str, usize),
+) -> Result<Avatar> {
     if let Some(path) = &source.file {
         return read_avatar(path);
     }
     let path = cache.join(format!("{:016x}.supple", fingerprint(source)?));
-    if path.exists() {
-        match read_avatar(&path) {
-            Ok(avatar) => return Ok(avatar),
-            Err(e) => eprintln!("baking again: {e}"),
-        }
+    if path.exists()
+        && let Ok(avatar) = read_avatar(&path)
+    {
+        return Ok(avatar);
     }
-    make_folder(cache)?;
+    std::fs::create_dir_all(cache).map_err(|e| Error::io(cache, e))?;
     let (body, recipe) = source.body()?;
-    let (avatar, report) = bake(&body, &recipe, &mut progress::baking(&body.name))?;
+    let name = body.name.clone();
+    let (avatar, report) = bake(&body, &recipe, &mut |phase| progress(&name, phase))?;
     // Written beside it and renamed: a bake that is cut off leaves no half file.
     write_baked(&avatar, &report, &path)?;
     Ok(avatar)
 }
-
 /// A hash of the source's text, of the files it names, and of this very program.
 fn fingerprint(source: &AvatarSource) -> Result<u64> {
     let mut hash = Fnv(0xcbf2_9ce4_8422_2325);

@@ -1,0 +1,209 @@
+//! Curves as SVG.
+
+use crate::{Error, Result};
+use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+/// A line through points.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What it is.
+    pub name: String,
+    /// (x, y), in the axes' units.
+    pub points: Vec<(f64, f64)>,
+    /// Whether a dot stands at each point: measurements rather than a record of a run.
+    pub dots: bool,
+}
+
+/// How an axis is divided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    #[default]
+    Linear,
+    /// By powers of ten; points at or below 0 are left out.
+    Logarithmic,
+}
+
+/// Curves over one pair of axes.
+#[derive(Clone, Debug, Default)]
+pub struct Curves {
+    /// What they show.
+    pub title: String,
+    /// Name of the horizontal axis, with its unit.
+    pub x: String,
+    /// Name of the vertical axis, with its unit.
+    pub y: String,
+    /// The lines.
+    pub series: Vec<Series>,
+    /// Of the horizontal axis.
+    pub x_scale: Scale,
+    /// Of the vertical axis.
+    pub y_scale: Scale,
+}
+
+impl Curves {
+    /// Axes without lines.
+    pub fn new(title: &str, x: &str, y: &str) -> Self {
+        Self {
+            title: title.into(),
+            x: x.into(),
+            y: y.into(),
+            ..Self::default()
+        }
+    }
+
+    /// With a line.
+    pub fn line(mut self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.series.push(Series {
+            name: name.into(),
+            points: points.into_iter().collect(),
+            dots: false,
+        });
+        self
+    }
+
+    /// With a line and a dot at each of its points.
+    pub fn dots(mut self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self = self.line(name, points);
+        if let Some(series) = self.series.last_mut() {
+            series.dots = true;
+        }
+        self
+    }
+
+    /// With the vertical axis divided by powers of ten.
+    pub fn logarithmic(mut self) -> Self {
+        self.y_scale = Scale::Logarithmic;
+        self
+    }
+
+    /// The chart, 720 × 400, on white.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there is nothing to draw.
+    pub fn svg(&self) -> Result<String> {
+        let shown = |s: &Series| -> Vec<(f64, f64)> {
+            let fits = |v: f64, scale| v.is_finite() && (scale == Scale::Linear || v > 0.0);
+            let points = s.points.iter().copied();
+            points
+                .filter(|p| fits(p.0, self.x_scale) && fits(p.1, self.y_scale))
+                .collect()
+        };
+        let lines: Vec<Vec<(f64, f64)>> = self.series.iter().map(shown).collect();
+        let range = |pick: fn(&(f64, f64)) -> f64, scale| {
+            let values = lines.iter().flatten().map(pick);
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+                (l.min(v), h.max(v))
+            });
+            match scale {
+                _ if low > high => None,
+                Scale::Linear => {
+                    let room = if high > low {
+                        0.04 * (high - low)
+                    } else {
+                        0.5 * high.abs().max(1.0)
+                    };
+                    Some((low - room, high + room))
+                }
+                Scale::Logarithmic => Some((low / 1.3, high * 1.3)),
+            }
+        };
+        let (Some(x), Some(y)) = (range(|p| p.0, self.x_scale), range(|p| p.1, self.y_scale))
+        else {
+            let problem = "no point of it can be drawn";
+            return Err(Error::invalid(format!("curves {:?}", self.title), problem));
+        };
+        let mut out = String::new();
+        let drawn = {
+            let area = SVGBackend::with_string(&mut out, (720, 400)).into_drawing_area();
+            let line = |(low, high): (f64, f64)| RangedCoordf64::from(low..high);
+            let powers = |(low, high): (f64, f64)| LogCoord::from((low..high).log_scale());
+            match (self.x_scale, self.y_scale) {
+                (Scale::Linear, Scale::Linear) => self.draw(&area, line(x), line(y), &lines),
+                (Scale::Linear, Scale::Logarithmic) => self.draw(&area, line(x), powers(y), &lines),
+                (Scale::Logarithmic, Scale::Linear) => self.draw(&area, powers(x), line(y), &lines),
+                (Scale::Logarithmic, Scale::Logarithmic) => {
+                    self.draw(&area, powers(x), powers(y), &lines)
+                }
+            }
+        };
+        drawn.map_err(|e| Error::invalid(format!("curves {:?}", self.title), e))?;
+        Ok(out)
+    }
+
+    fn draw<X, Y>(
+        &self,
+        area: &DrawingArea<SVGBackend<'_>, Shift>,
+        x: X,
+        y: Y,
+        lines: &[Vec<(f64, f64)>],
+    ) -> Result<(), String>
+    where
+        X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    {
+        let told = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+        area.fill(&WHITE).map_err(told)?;
+        let font = |size: i32| ("sans-serif", size);
+        let mut chart = ChartBuilder::on(area)
+            .margin(12)
+            .x_label_area_size(44)
+            .y_label_area_size(70)
+            .caption(&self.title, font(17))
+            .build_cartesian_2d(x, y)
+            .map_err(told)?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x)
+            .y_desc(&self.y)
+            .x_label_formatter(&|v| super::check::number(*v))
+            .y_label_formatter(&|v| super::check::number(*v))
+            .light_line_style(BLACK.mix(0.05))
+            .bold_line_style(BLACK.mix(0.13))
+            .axis_desc_style(font(14))
+            .label_style(font(13))
+            .draw()
+            .map_err(told)?;
+        for (k, (series, points)) in self.series.iter().zip(lines).enumerate() {
+            let colour = COLOURS[k % COLOURS.len()];
+            let line = LineSeries::new(points.iter().copied(), colour.stroke_width(2));
+            chart
+                .draw_series(line)
+                .map_err(told)?
+                .label(&series.name)
+                .legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2))
+                });
+            if series.dots {
+                let dot = |p: &(f64, f64)| Circle::new(*p, 4, colour.filled());
+                chart.draw_series(points.iter().map(dot)).map_err(told)?;
+            }
+        }
+        if self.series.len() > 1 {
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::UpperRight)
+                .background_style(WHITE.mix(0.85))
+                .border_style(BLACK.mix(0.2))
+                .label_font(font(13))
+                .draw()
+                .map_err(told)?;
+        }
+        area.present().map_err(told)
+    }
+}
+
+/// Told apart by everyone (Okabe and Ito 2008).
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(60, 60, 60),
+];

@@ -1,0 +1,40 @@
+//! The figures of the paper as scenes that are run, drawn and checked.
+//!
+//! A [`Figure`] draws itself on a [`Page`]: text, pictures, tables, curves, and [`Check`]s of its physics, each a
+//! measured value with its bound. A [`Studio`] runs what it asks for. At [`Size::Small`] a figure takes seconds
+//! and is a test (`cargo test --features cli --test figures`); at [`Size::Full`] it is an entry of the gallery that
+//! [`write_gallery`] makes (`supple figures`). Both run the same code, so no number in the gallery is typed in.
+//!
+//! A new figure is one file here and one line in [`FIGURES`].
+
+mod check;
+mod curves;
+mod gallery;
+mod html;
+mod page;
+mod rigid_soft;
+mod studio;
+
+pub use check::{Bound, Check};
+pub use curves::{Curves, Scale, Series};
+pub use gallery::{Summary, Verdict, write_gallery};
+pub use page::{Block, Page, Table};
+pub use studio::{Progress, Size, Studio};
+
+use crate::Result;
+
+/// A figure.
+#[derive(Clone, Copy, Debug)]
+pub struct Figure {
+    /// What the command and the tests call it.
+    pub name: &'static str,
+    /// What it shows.
+    pub title: &'static str,
+    /// Which figure, table or section of the paper it stands for; empty where it goes beyond.
+    pub paper: &'static str,
+    /// Runs, draws and checks it.
+    pub draw: fn(&Studio) -> Result<Page>,
+}
+
+/// Every figure, in the paper's order.
+pub const FIGURES: &[Figure] = &[rigid_soft::FIGURE];

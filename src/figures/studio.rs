@@ -1,0 +1,186 @@
+//! What figures are made with: avatars, scenes, runs.
+
+use crate::export::{Image, SceneRun, picture_strip, run_scene};
+use crate::load::{AvatarSource, Sample, Scene, load_avatar, read_scene};
+use crate::model::Avatar;
+use crate::reference::Reference;
+use crate::sim::{Simulation, full_space};
+use crate::{Error, Result};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How much a figure may cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// Seconds and at most 200 steps a scene: a test.
+    Small,
+    /// Minutes: the gallery.
+    Full,
+}
+
+/// Something that takes a while.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// What is done: a bake, a scene.
+    pub what: &'a str,
+    /// Parts that are done.
+    pub done: usize,
+    /// All parts.
+    pub of: usize,
+}
+
+/// An avatar, once it is there.
+type Slot = Arc<Mutex<Option<Arc<Avatar>>>>;
+
+/// Runs what figures ask for. Figures may be drawn in parallel with one studio.
+pub struct Studio {
+    /// How much a figure may cost.
+    pub size: Size,
+    scenes: PathBuf,
+    cache: PathBuf,
+    progress: Box<dyn Fn(Progress<'_>) + Send + Sync>,
+    avatars: Mutex<HashMap<String, Slot>>,
+}
+
+impl Studio {
+    /// A studio that reads scenes from the folder `scenes`, and keeps bakes and long runs in the folder `cache`.
+    pub fn new(
+        size: Size,
+        scenes: impl Into<PathBuf>,
+        cache: impl Into<PathBuf>,
+        progress: impl Fn(Progress<'_>) + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            size,
+            scenes: scenes.into(),
+            cache: cache.into(),
+            progress: Box::new(progress),
+            avatars: Mutex::default(),
+        }
+    }
+
+    /// Whether this is a test.
+    pub fn small(&self) -> bool {
+        self.size == Size::Small
+    }
+
+    /// `small` in a test, `full` in the gallery.
+    pub fn pick<T>(&self, small: T, full: T) -> T {
+        match self.size {
+            Size::Small => small,
+            Size::Full => full,
+        }
+    }
+
+    /// Where bakes and long runs are kept.
+    pub fn cache(&self) -> &Path {
+        &self.cache
+    }
+
+    /// Says how far something is.
+    pub fn progress(&self, what: &str, done: usize, of: usize) {
+        (self.progress)(Progress { what, done, of });
+    }
+
+    /// The committed scene `name`, with every step recorded.
+    ///
+    /// # Errors
+    /// As [`read_scene`].
+    pub fn scene(&self, name: &str) -> Result<Scene> {
+        let mut scene = read_scene(self.scenes.join(name).with_extension("toml"))?;
+        scene.output.record_every = 1;
+        Ok(scene)
+    }
+
+    /// The avatar of `source`, baked once for all figures.
+    ///
+    /// # Errors
+    /// As [`load_avatar`].
+    pub fn avatar(&self, source: &AvatarSource) -> Result<Arc<Avatar>> {
+        let key = serde_json::to_string(source)
+            .map_err(|e| Error::invalid("avatar", format!("cannot be written: {e}")))?;
+        let slot = unpoisoned(&self.avatars).entry(key).or_default().clone();
+        let mut slot = unpoisoned(&slot);
+        if let Some(avatar) = &*slot {
+            return Ok(avatar.clone());
+        }
+        let phases = crate::bake::PHASES.len();
+        let mut progress =
+            |name: &str, phase| self.progress(&format!("baking {name}"), phase, phases);
+        let avatar = Arc::new(load_avatar(source, &self.cache, &mut progress)?);
+        *slot = Some(avatar.clone());
+        Ok(avatar)
+    }
+
+    /// A sample baked by its own recipe.
+    ///
+    /// # Errors
+    /// As [`Studio::avatar`].
+    pub fn sample(&self, sample: Sample) -> Result<Arc<Avatar>> {
+        self.avatar(&AvatarSource::of_sample(sample))
+    }
+
+    /// The avatar of `scene`, of the tissue that the scene asks for.
+    ///
+    /// # Errors
+    /// As [`Studio::avatar`].
+    pub fn avatar_of(&self, scene: &Scene) -> Result<Arc<Avatar>> {
+        let mut avatar = self.avatar(&scene.avatar)?;
+        if scene.material.is_some() || scene.damping_time.is_some() {
+            scene.dress(Arc::make_mut(&mut avatar));
+        }
+        Ok(avatar)
+    }
+
+    /// Plays `scene` with `avatar` by the f64 evaluation.
+    ///
+    /// # Errors
+    /// As [`run_scene`].
+    pub fn play(&self, scene: &Scene, avatar: &Arc<Avatar>) -> Result<SceneRun> {
+        let potential = Reference::new(avatar.clone(), 1, contacts(scene, avatar))?;
+        let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
+        self.run(scene, avatar, &mut simulation)
+    }
+
+    /// The same with every node of the soft layer solved for, and the avatar in that space.
+    ///
+    /// # Errors
+    /// As [`run_scene`] and [`full_space`].
+    pub fn play_full_space(
+        &self,
+        scene: &Scene,
+        avatar: &Arc<Avatar>,
+    ) -> Result<(Arc<Avatar>, SceneRun)> {
+        let (avatar, mut simulation) =
+            full_space(avatar, 1, contacts(scene, avatar), scene.settings)?;
+        let run = self.run(scene, &avatar, &mut simulation)?;
+        Ok((avatar, run))
+    }
+
+    fn run(
+        &self,
+        scene: &Scene,
+        avatar: &Avatar,
+        simulation: &mut Simulation<Reference>,
+    ) -> Result<SceneRun> {
+        run_scene(scene, avatar, simulation, &mut |step| {
+            self.progress(&scene.name, step, scene.steps);
+        })
+    }
+
+    /// The panels that `scene` asks for, side by side.
+    pub fn strip(&self, scene: &Scene, avatar: &Avatar, run: &SceneRun) -> Image {
+        picture_strip(scene, avatar, &run.snapshots)
+    }
+}
+
+/// Room for every vertex to touch every collider.
+fn contacts(scene: &Scene, avatar: &Avatar) -> usize {
+    avatar.skin.len() * scene.colliders.len()
+}
+
+/// What a figure that panicked left is as good as before: a slot is written in one go.
+fn unpoisoned<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,43 @@
+//! Every figure at its small size: what it draws can be drawn, and all of its checks hold. A figure's test is
+//! called like the figure.
+
+use std::path::Path;
+use std::sync::LazyLock;
+use supple::figures::{FIGURES, Figure, Size, Studio};
+
+/// One for all: what a figure bakes, the others have.
+static STUDIO: LazyLock<Studio> = LazyLock::new(|| {
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures");
+    Studio::new(Size::Small, "assets/scenes", cache, |_| {})
+});
+
+fn holds(name: &str) {
+    let figure: &Figure = FIGURES.iter().find(|f| f.name == name).unwrap();
+    let page = (figure.draw)(&STUDIO).unwrap();
+    for check in &page.checks {
+        println!("{check}");
+    }
+    assert!(!page.checks.is_empty(), "{name} checks nothing");
+    let failures: Vec<String> = page.failures().map(ToString::to_string).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// A test for each figure, and one that none is forgotten.
+macro_rules! figures {
+    ($($name:ident),* $(,)?) => {
+        $(
+            #[test]
+            fn $name() {
+                holds(stringify!($name));
+            }
+        )*
+
+        #[test]
+        fn every_figure_is_tested() {
+            let listed: Vec<&str> = FIGURES.iter().map(|f| f.name).collect();
+            assert_eq!(listed, [$(stringify!($name)),*]);
+        }
+    };
+}
+
+figures![rigid_soft];
