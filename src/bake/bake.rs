@@ -156,6 +156,7 @@ pub fn bake(
             basis,
             skin_embedding: layer.skin_embedding.clone(),
         },
+        bodies: Vec::new(),
     };
     avatar.validate()?;
     mesh_report.quality = quality;

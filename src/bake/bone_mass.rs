@@ -22,39 +22,6 @@ pub struct BoneMassReport {
 /// A bone below this share of the mean mass is raised to it: its DoFs need some inertia.
 const LEAST_SHARE: f64 = 0.01;
 
-/// S = ∫ ρ y yᵀ dV, y = (X − joint, 1), inside a closed surface. Exact: each triangle spans a signed
-/// tet with the joint, and over a tet (0, a, b, c) of volume V
-/// ∫ y = V s/4, ∫ y yᵀ = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c.
-pub fn surface_mass(surface: &Surface, joint: DVec3, density: f64) -> BoneMass {
-    let mut mass = BoneMass {
-        second_moment: [[0.0; 4]; 4],
-    };
-    for t in 0..surface.triangles.len() {
-        let [a, b, c] = surface.corners(t).map(|x| x - joint);
-        let (s, volume) = (a + b + c, a.dot(b.cross(c)) / 6.0);
-        for p in [a, b, c, s] {
-            add_moment(&mut mass, p, 0.0, density * volume / 20.0);
-        }
-        let first = density * volume / 4.0 * s;
-        for i in 0..3 {
-            mass.second_moment[i][3] += first[i];
-            mass.second_moment[3][i] += first[i];
-        }
-        mass.second_moment[3][3] += density * volume;
-    }
-    mass
-}
-
-/// S += m (p, w)(p, w)ᵀ.
-fn add_moment(mass: &mut BoneMass, p: DVec3, w: f64, m: f64) {
-    let y = p.extend(w).to_array();
-    for i in 0..4 {
-        for j in 0..4 {
-            mass.second_moment[i][j] += m * y[i] * y[j];
-        }
-    }
-}
-
 /// The mass of every bone of `body`: of its closed surface where it has one, and for the others the
 /// core (inside the skin, outside the layer and those surfaces) shared out by the weights of the
 /// nearest node that a bone holds. `density` in kg/m³.
@@ -67,10 +34,8 @@ pub fn bone_masses(
     let closed = |j: usize| body.bone_surfaces.get(j).filter(|s| s.is_closed());
     let mut masses: Vec<BoneMass> = (joints.iter().enumerate())
         .map(|(j, &joint)| match closed(j) {
-            Some(surface) => surface_mass(surface, joint, density),
-            None => BoneMass {
-                second_moment: [[0.0; 4]; 4],
-            },
+            Some(surface) => BoneMass::of_surface(surface, joint, density),
+            None => BoneMass::NONE,
         })
         .collect();
     let from_surfaces = (0..joints.len()).filter(|&j| closed(j).is_some()).count();
@@ -86,45 +51,33 @@ pub fn bone_masses(
             for w in row.iter().filter(|w| closed(w.bone as usize).is_none()) {
                 let bone = w.bone as usize;
                 let mass = density * sample.volume * w.weight / open;
-                add_moment(&mut masses[bone], sample.position - joints[bone], 1.0, mass);
+                masses[bone].add_point(sample.position - joints[bone], 1.0, mass);
             }
         }
     }
-    let total: f64 = masses.iter().map(mass_of).sum();
+    let total: f64 = masses.iter().map(BoneMass::mass).sum();
     // Nothing at all is known: a litre's worth of density keeps the system regular.
     let mean = if total > 0.0 { total } else { density * 1e-3 } / joints.len() as f64;
     let mut raised = 0;
     for bone in &mut masses {
-        if mass_of(bone) < LEAST_SHARE * mean {
+        if bone.mass() < LEAST_SHARE * mean {
             *bone = ball(LEAST_SHARE * mean, density);
             raised += 1;
         }
     }
     let report = BoneMassReport {
-        masses: masses.iter().map(mass_of).collect(),
-        total: masses.iter().map(mass_of).sum(),
+        masses: masses.iter().map(BoneMass::mass).collect(),
+        total: masses.iter().map(BoneMass::mass).sum(),
         from_surfaces,
         raised,
     };
     (masses, report)
 }
 
-fn mass_of(bone: &BoneMass) -> f64 {
-    bone.second_moment[3][3]
-}
-
 /// A ball about the joint: ∫ ρ y yᵀ = m r²/5 I.
 fn ball(mass: f64, density: f64) -> BoneMass {
     let radius = (3.0 * mass / (4.0 * std::f64::consts::PI * density)).cbrt();
-    let second = mass * radius * radius / 5.0;
-    let mut out = BoneMass {
-        second_moment: [[0.0; 4]; 4],
-    };
-    for i in 0..3 {
-        out.second_moment[i][i] = second;
-    }
-    out.second_moment[3][3] = mass;
-    out
+    BoneMass::centred(mass, DVec3::splat(mass * radius * radius / 5.0))
 }
 
 #[cfg(test)]
@@ -169,7 +122,7 @@ mod tests {
         let surface = block(low, high);
         assert!(surface.is_closed() && surface.volume() > 0.0);
         let joint = DVec3::new(0.05, 0.1, -0.2);
-        let found = surface_mass(&surface, joint, 1100.0).second_moment;
+        let found = BoneMass::of_surface(&surface, joint, 1100.0).second_moment;
         let (size, centre) = (high - low, (low + high) / 2.0 - joint);
         let mass = 1100.0 * size.element_product();
         for i in 0..3 {

@@ -38,6 +38,10 @@ pub struct Baked {
 /// [`Error::Invalid`] where the avatar is not valid, or too large for a file.
 pub fn to_bytes(avatar: &Avatar, report: Option<&BakeReport>) -> Result<Vec<u8>> {
     avatar.validate()?;
+    if !avatar.bodies.is_empty() {
+        let problem = "are no part of a baked file; write the avatar before it gets them";
+        return Err(Error::invalid("bodies", problem));
+    }
     let report = report.map(|r| BakeReport {
         cost: BakeCost::default(),
         ..r.clone()

@@ -40,6 +40,9 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
     skin.basis = basis_on_skin(&layer.skin_embedding, &basis);
     let followers = rows_through(&avatar.attached, &skin.basis);
     (followers.iter()).for_each(|row| skin.basis.push(row.iter().copied()));
+    for _ in avatar.body_vertices(0).start..skin.len() {
+        skin.basis.push(std::iter::empty());
+    }
     Ok(Avatar {
         name: format!("{}, full space", avatar.name),
         skeleton: avatar.skeleton.clone(),
@@ -58,6 +61,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
             basis,
             ..layer.clone()
         },
+        bodies: avatar.bodies.clone(),
     })
 }
 

@@ -35,7 +35,7 @@ mod truncation;
 pub use bake::{PHASES, Progress, bake};
 pub use biharmonic::{BiharmonicSystem, Constraints};
 pub use biharmonic_energy::{BasisEnergy, biharmonic_energy};
-pub use bone_mass::{BoneMassReport, bone_masses, surface_mass};
+pub use bone_mass::{BoneMassReport, bone_masses};
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
 pub use file::{Baked, from_bytes, read_avatar, read_baked, to_bytes, write_avatar, write_baked};
 pub use full_space::{all_tets, full_space, without_tissue};

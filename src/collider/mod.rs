@@ -5,6 +5,8 @@ mod r#box;
 mod capsule;
 mod cylinder;
 mod half_space;
+mod mass;
+mod sampled;
 mod sphere;
 
 use crate::model::Frame;

@@ -1,26 +1,13 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
-use super::{DrawnPart, PointSet, Skeleton, SkinWeight, Space, State, TetMesh};
+use super::{
+    BoneMass, DrawnPart, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh,
+};
 use crate::material::Material;
 use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-
-/// Second moments of a rigid bone about its joint.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BoneMass {
-    /// S = ∫ ρ y yᵀ dV with y = (X − J, 1): `s[row][column]`, kg m², kg m, kg. `s[3][3]` is the mass.
-    pub second_moment: [[f64; 4]; 4],
-}
-
-impl BoneMass {
-    /// The mass, kg, and the first moment about the joint, kg m.
-    pub fn moments(&self) -> (f64, DVec3) {
-        let s = &self.second_moment;
-        (s[3][3], DVec3::new(s[0][3], s[1][3], s[2][3]))
-    }
-}
 
 /// The volume between bones and skin, kept for the full-space solve and for reports.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -54,10 +41,10 @@ pub struct Avatar {
     pub cubature: PointSet,
     /// Skin vertices that are drawn and touch; `measure` is the area, m².
     pub skin: PointSet,
-    /// Triangles of the skin.
+    /// Triangles of the skin, those of the bodies last.
     pub triangles: Vec<[u32; 3]>,
-    /// The last skin vertices are not tissue's but attached to it: skin vertices (index, share) that
-    /// each of them follows. They have no area.
+    /// Skin vertices that are not tissue's but attached to it and come after it: skin vertices (index,
+    /// share) that each of them follows. They have no area.
     pub attached: Rows<(u32, f64)>,
     /// How the body's file draws the skin; none where it is drawn as it is.
     pub drawn: Vec<DrawnPart>,
@@ -72,6 +59,10 @@ pub struct Avatar {
     pub captured_under_gravity: bool,
     /// The mesh behind the cubature.
     pub layer: SoftLayer,
+    /// Rigid bodies in the same system ([`Avatar::with_bodies`]): the last frames, skin vertices and
+    /// triangles are theirs. They are no part of a baked file.
+    #[serde(skip)]
+    pub bodies: Vec<RigidBody>,
 }
 
 impl Avatar {
@@ -83,17 +74,20 @@ impl Avatar {
         }
     }
 
-    /// The bind pose with no displacement.
+    /// The bind pose with no displacement, bodies standing in their places.
     pub fn rest_state(&self) -> State {
+        let mut frames = self.skeleton.bind_pose();
+        let first = self.bones();
+        (frames[first..].iter_mut().zip(&self.bodies)).for_each(|(f, body)| *f = body.place);
         State {
-            frames: self.skeleton.bind_pose(),
+            frames,
             handles: vec![DVec3::ZERO; self.handles.len()],
         }
     }
 
-    /// Number of skin vertices that bound tissue; the others are attached.
+    /// Number of skin vertices that bound tissue; attached ones come after them, and bodies' last.
     pub fn tissue_vertices(&self) -> usize {
-        self.skin.len().saturating_sub(self.attached.len())
+        (self.body_vertices(0).start).saturating_sub(self.attached.len())
     }
 
     /// Mass of the tissue, kg.
@@ -106,8 +100,10 @@ impl Avatar {
         self.skeleton.validate()?;
         self.material.validate()?;
         let (bones, handles) = (self.skeleton.len(), self.handles.len());
-        self.cubature.validate("cubature", bones, handles)?;
-        self.skin.validate("skin", bones, handles)?;
+        self.cubature
+            .validate("cubature", &self.skeleton, handles)?;
+        self.skin.validate("skin", &self.skeleton, handles)?;
+        self.validate_bodies()?;
         let layer = &self.layer;
         let (nodes, tets) = (layer.mesh.nodes.len(), layer.mesh.tets.len());
         layer.skinning.validate("layer.skinning", nodes)?;
@@ -115,8 +111,7 @@ impl Avatar {
         layer
             .skin_embedding
             .validate("layer.skin_embedding", self.tissue_vertices())?;
-        self.attached
-            .validate("attached", self.skin.len() - self.tissue_vertices())?;
+        self.attached.validate("attached", self.attached.len())?;
         (self.drawn.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
         let check = |ok: bool, field: &str, problem: &str| {
             if ok {
@@ -186,7 +181,8 @@ impl Avatar {
         check(
             (self.attached.entries().iter())
                 .all(|&(v, share)| below(v, self.tissue_vertices()) && share.is_finite())
-                && (self.skin.measure[self.tissue_vertices()..].iter()).all(|&area| area == 0.0),
+                && (self.skin.measure[self.tissue_vertices()..self.body_vertices(0).start].iter())
+                    .all(|&area| area == 0.0),
             "attached",
             "a vertex follows one that is not there, or has an area",
         )?;

@@ -3,22 +3,26 @@
 mod attachment;
 mod avatar;
 mod body;
+mod bone_mass;
 mod frame;
 mod motion_clip;
 mod parametric;
 mod points;
+mod rigid_body;
 mod skeleton;
 mod state;
 mod surface;
 mod tet_mesh;
 
 pub use attachment::{Attachment, DrawnPart};
-pub use avatar::{Avatar, BoneMass, SoftLayer};
+pub use avatar::{Avatar, SoftLayer};
 pub use body::{Body, LayerMesh};
+pub use bone_mass::BoneMass;
 pub use frame::Frame;
 pub use motion_clip::{MotionClip, MotionFrame, UpAxis};
 pub use parametric::ParametricModel;
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
+pub use rigid_body::RigidBody;
 pub use skeleton::{Skeleton, pose_feature, pose_feature_into};
 pub use state::{Space, State};
 pub use surface::Surface;

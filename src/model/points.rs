@@ -1,5 +1,6 @@
 //! Material points and what moves them: cubature points, skin vertices and mesh nodes alike.
 
+use super::Skeleton;
 use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -28,7 +29,7 @@ pub struct BasisEntry {
 /// Pose blend shapes at a set of points: B_P = Σ feature · column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseBlend {
-    /// Number of features: 9 for each bone but the root, or 0 for none.
+    /// Number of features: 9 for each bone but a root, or 0 for none.
     pub features: usize,
     /// Column `k` at point `i` is `columns[k * points + i]`, m.
     pub columns: Vec<[f32; 3]>,
@@ -61,8 +62,10 @@ impl PointSet {
     }
 
     /// Checks lengths, indices and finiteness; `field` names the set in errors.
-    pub fn validate(&self, field: &str, bones: usize, handles: usize) -> Result<()> {
-        let count = self.len();
+    pub fn validate(&self, field: &str, skeleton: &Skeleton, handles: usize) -> Result<()> {
+        let (count, bones) = (self.len(), skeleton.len());
+        // Roots have no feature.
+        let features = 9 * skeleton.parents.iter().flatten().count();
         if self.measure.len() != count {
             return Err(Error::invalid(
                 format!("{field}.measure"),
@@ -83,14 +86,10 @@ impl PointSet {
                 ),
             ));
         }
-        if blend.features != 0 && blend.features != 9 * bones.saturating_sub(1) {
+        if blend.features != 0 && blend.features != features {
             return Err(Error::invalid(
                 format!("{field}.pose_blend.features"),
-                format!(
-                    "{}, expected {}",
-                    blend.features,
-                    9 * bones.saturating_sub(1)
-                ),
+                format!("{}, expected {features}", blend.features),
             ));
         }
         let finite = self.position.iter().all(|p| p.is_finite())

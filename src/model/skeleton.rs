@@ -6,7 +6,8 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 
-/// A tree of bones. Parents come before their children; the root has none.
+/// Trees of bones. Parents come before their children; a root has none. The first bone is the avatar's
+/// root; rigid bodies are further ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Skeleton {
     /// Names, unique.
@@ -36,6 +37,17 @@ impl Skeleton {
         (self.names.iter().position(|n| n == name)).or_else(|| alias().map(|(_, j)| *j as usize))
     }
 
+    /// The first `count` bones alone.
+    pub fn first(&self, count: usize) -> Self {
+        let known = |alias: &&(String, u32)| (alias.1 as usize) < count;
+        Self {
+            names: self.names[..count].to_vec(),
+            parents: self.parents[..count].to_vec(),
+            joints: self.joints[..count].to_vec(),
+            aliases: self.aliases.iter().filter(known).cloned().collect(),
+        }
+    }
+
     /// Frames in the bind pose: no rotation, each at its joint.
     pub fn bind_pose(&self) -> Vec<Frame> {
         self.joints
@@ -47,8 +59,9 @@ impl Skeleton {
             .collect()
     }
 
-    /// World frames from each bone's rotation relative to its parent (the root's relative to the
-    /// world), the root's joint standing at `root_position`.
+    /// World frames from each bone's rotation relative to its parent (a root's relative to the
+    /// world), the first root's joint standing at `root_position` and further ones' where they are in the
+    /// reference shape.
     pub fn forward_kinematics(
         &self,
         local_rotations: &[DMat3],
@@ -59,7 +72,11 @@ impl Skeleton {
             frames.push(match self.parents[j] {
                 None => Frame {
                     rotation: local,
-                    position: root_position,
+                    position: if j == 0 {
+                        root_position
+                    } else {
+                        self.joints[j]
+                    },
                 },
                 Some(p) => {
                     let parent = frames[p as usize];
@@ -115,7 +132,7 @@ impl Skeleton {
     }
 }
 
-/// SMPL's pose feature: R_parentᵀ R_child − I of every bone but the root, nine numbers each, row by
+/// SMPL's pose feature: R_parentᵀ R_child − I of every bone but the roots, nine numbers each, row by
 /// row (Loper et al. 2015). Bones are in skeleton order.
 pub fn pose_feature(parents: &[Option<u32>], frames: &[Frame]) -> Vec<f64> {
     let mut feature = Vec::with_capacity(9 * parents.len().saturating_sub(1));

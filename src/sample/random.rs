@@ -63,6 +63,7 @@ pub fn random_avatar(
         density: 1000.0,
         damping_time: 0.01,
         captured_under_gravity: true,
+        bodies: Vec::new(),
     }
 }
 

@@ -30,7 +30,7 @@ pub struct Instance {
     pub pins: Vec<Pin>,
     /// The rest rotation of each bone relative to its parent, and how stiffly it is kept.
     pub bending: Vec<Bending>,
-    /// What the skin cannot enter. After a step each `previous` becomes its `frame`.
+    /// What the skin cannot enter; with bodies, theirs are the first. After a step each `previous` becomes its `frame`.
     pub colliders: Vec<Collider>,
     /// Gravity, m/s².
     pub gravity: DVec3,
@@ -39,7 +39,8 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// The avatar at rest in its bind pose, with gravity along −z and nothing around it.
+    /// The avatar at rest in its bind pose, with gravity along −z and nothing around it but its bodies,
+    /// whose colliders come first.
     pub fn new(avatar: &Avatar, bending_stiffness: f64) -> Self {
         let state = avatar.rest_state();
         Self {
@@ -54,10 +55,17 @@ impl Instance {
                 state.frames.len()
             ],
             state,
-            colliders: Vec::new(),
+            colliders: avatar.body_colliders().collect(),
             gravity: DVec3::new(0.0, 0.0, -9.81),
             active: true,
         }
+    }
+
+    /// Throws a frame, a body's as a rule: it stands at `frame` and moves with `velocity` (m/s, of its
+    /// origin) and `spin` (rad/s), having come there in a step of `time_step`.
+    pub fn throw(&mut self, frame: usize, at: Frame, velocity: DVec3, spin: DVec3, time_step: f64) {
+        self.state.frames[frame] = at;
+        self.previous.frames[frame] = at.moved(-velocity * time_step, -spin * time_step);
     }
 
     /// Puts it into `state`, at rest.

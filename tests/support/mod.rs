@@ -120,6 +120,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         density: 1000.0,
         damping_time: 0.0,
         captured_under_gravity,
+        bodies: Vec::new(),
         layer: SoftLayer {
             tissue_fraction: vec![1.0; mesh.tets.len()],
             skinning: mesh.nodes.iter().map(|&x| weights(x)).collect(),
