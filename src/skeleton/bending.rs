@@ -1,8 +1,8 @@
 //! Springs that keep the rotation of a bone relative to its parent.
 
-use super::log_derivative::inverse_left_jacobian;
+use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::term::{FrameHessian, FrameTerm, Residual};
-use crate::math::rotation_log;
+use crate::math::{rotation_log, skew};
 use crate::model::Frame;
 use glam::{DMat3, DVec3};
 
@@ -59,4 +59,37 @@ impl FrameTerm for BendingSpring {
         residual.add_gradient(self.bending.stiffness * r, gradient);
         residual.add_hessian(self.bending.stiffness, hessian);
     }
+
+    fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
+        let r = self.residual(frames);
+        let parent = &frames[self.parent].rotation;
+        add_relative_curvature(
+            [2 * self.child + 1, 2 * self.parent + 1],
+            parent,
+            r,
+            self.bending.stiffness * r,
+            hessian,
+        );
+    }
+}
+
+/// Adds f · ∂²r with r = log(R_pᵀ R_j R₀⁻¹) to the blocks (ω_j, ω_p) of `blocks`.
+///
+/// exp(−ta) exp(tb) = exp(t(b − a) − ½t² a × b + …) with a, b = R_pᵀω_p, R_pᵀω_j: besides the
+/// logarithm's curvature in b − a there is −(J_l⁻ᵀf) · (a × b), half of it in each mixed block.
+pub(super) fn add_relative_curvature(
+    blocks: [usize; 2],
+    parent: &DMat3,
+    r: DVec3,
+    f: DVec3,
+    hessian: &mut FrameHessian<'_>,
+) {
+    let turned = |m: DMat3| *parent * m * parent.transpose();
+    let curvature = turned(log_curvature(r, f));
+    let pulled = inverse_left_jacobian(r).transpose() * f;
+    let order = turned(skew(pulled)) * 0.5;
+    let [child, parent] = blocks;
+    hessian.add(child, child, curvature);
+    hessian.add(parent, parent, curvature);
+    hessian.add(parent, child, order - curvature);
 }

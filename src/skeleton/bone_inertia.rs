@@ -117,4 +117,15 @@ impl FrameTerm for BoneInertia {
             (DMat3::from_diagonal(DVec3::splat(trace)) - second) * scale,
         );
     }
+
+    fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
+        // ⟨D S, [ω]×² R⟩ = ωᵀ (sym N − tr(N) I) ω with N = (D S)₃ Rᵀ.
+        let frame = &frames[self.bone];
+        let (wr, _) = self.weighted(self.deviation(frame));
+        let n = wr * frame.rotation.transpose();
+        let trace = n.x_axis.x + n.y_axis.y + n.z_axis.z;
+        let rotation = 2 * self.bone + 1;
+        let curvature = (n + n.transpose()) * 0.5 - DMat3::from_diagonal(DVec3::splat(trace));
+        hessian.add(rotation, rotation, curvature * self.inverse_square_step);
+    }
 }

@@ -1,6 +1,6 @@
 //! Gravity as a function of the pose alone.
 
-use super::term::{FrameHessian, FrameTerm, add_block};
+use super::term::{FrameHessian, FrameTerm, add_block, rotation_curvature};
 use crate::model::{Avatar, Frame, pose_feature};
 use glam::DVec3;
 
@@ -113,6 +113,14 @@ impl FrameTerm for FrameGravity {
             add_block(gradient, 2 * j, -self.mass[j] * self.gravity);
             let lever = frame.rotation * self.first[j];
             add_block(gradient, 2 * j + 1, -lever.cross(self.gravity));
+        }
+    }
+
+    fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
+        for (j, frame) in frames.iter().enumerate() {
+            let lever = frame.rotation * self.first[j];
+            let rotation = 2 * j + 1;
+            hessian.add(rotation, rotation, rotation_curvature(-self.gravity, lever));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Springs that hold the two sides of each joint together.
 
-use super::term::{FrameHessian, FrameTerm, Residual};
+use super::term::{FrameHessian, FrameTerm, Residual, rotation_curvature};
 use crate::math::skew;
 use crate::model::{Frame, Skeleton};
 use glam::{DMat3, DVec3};
@@ -48,6 +48,13 @@ impl FrameTerm for JointSpring {
         };
         residual.add_gradient(self.stiffness * self.residual(frames), gradient);
         residual.add_hessian(self.stiffness, hessian);
+    }
+
+    fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
+        let lever = frames[self.parent].rotation * self.offset;
+        let force = self.stiffness * self.residual(frames);
+        let rotation = 2 * self.parent + 1;
+        hessian.add(rotation, rotation, rotation_curvature(-force, lever));
     }
 }
 

@@ -167,19 +167,29 @@ impl SkeletonPotential {
     /// Adds the gradient and the Gauss–Newton Hessian at `frames` to the packed ones of the tissue.
     pub fn add_derivatives(&self, frames: &[Frame], gradient: &mut [f64], packed: &mut [[f64; 9]]) {
         let hessian = &mut FrameHessian::new(packed, self.frames);
-        for term in &self.inertia {
+        for term in self.terms() {
             term.add_derivatives(frames, gradient, hessian);
         }
-        for term in &self.joints {
-            term.add_derivatives(frames, gradient, hessian);
+    }
+
+    /// Adds what makes the Hessian exact; see [`FrameTerm::add_geometric`].
+    pub fn add_geometric(&self, frames: &[Frame], packed: &mut [[f64; 9]]) {
+        let hessian = &mut FrameHessian::new(packed, self.frames);
+        for term in self.terms() {
+            term.add_geometric(frames, hessian);
         }
-        for term in &self.bending {
-            term.add_derivatives(frames, gradient, hessian);
+    }
+
+    /// Every term.
+    fn terms(&self) -> impl Iterator<Item = &dyn FrameTerm> {
+        fn dynamic<T: FrameTerm>(terms: &[T]) -> impl Iterator<Item = &dyn FrameTerm> {
+            terms.iter().map(|t| t as &dyn FrameTerm)
         }
-        for term in &self.tracking {
-            term.add_derivatives(frames, gradient, hessian);
-        }
-        self.gravity.add_derivatives(frames, gradient, hessian);
+        dynamic(&self.inertia)
+            .chain(dynamic(&self.joints))
+            .chain(dynamic(&self.bending))
+            .chain(dynamic(&self.tracking))
+            .chain(dynamic(std::slice::from_ref(&self.gravity)))
     }
 
     /// The terms of targets.

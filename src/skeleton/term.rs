@@ -16,6 +16,16 @@ pub trait FrameTerm {
         gradient: &mut [f64],
         hessian: &mut FrameHessian<'_>,
     );
+
+    /// Adds what the Gauss–Newton Hessian leaves out, force times second derivatives of positions, symmetrised over
+    /// the order of two rotations. With it the Hessian is exact, and may be indefinite.
+    fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>);
+}
+
+/// The symmetric C with f · x″ = ωᵀCω at t = 0, where x(t) = exp(t\[ω\]) a: ½ (f aᵀ + a fᵀ) − (f·a) I.
+pub fn rotation_curvature(f: DVec3, a: DVec3) -> DMat3 {
+    let outer = DMat3::from_cols(f * a.x, f * a.y, f * a.z);
+    (outer + outer.transpose()) * 0.5 - DMat3::from_diagonal(DVec3::splat(f.dot(a)))
 }
 
 /// The frame–frame part of the packed Hessian: the lower block triangle, row after row, which

@@ -1,6 +1,6 @@
 //! Springs and dampers that draw a bone to a moving target.
 
-use super::log_derivative::inverse_left_jacobian;
+use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::term::{FrameHessian, FrameTerm, Residual};
 use crate::math::rotation_log;
 use crate::model::Frame;
@@ -149,5 +149,17 @@ impl FrameTerm for TrackingSpring {
             residual.add_gradient(self.slope_of_energy(spring, r, start), gradient);
             residual.add_hessian(spring.stiffness + spring.damping / self.time_step, hessian);
         }
+    }
+
+    fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
+        // The position's residual is linear.
+        let [(Some(spring), r, start, _), _] = self.parts(frames) else {
+            return;
+        };
+        let force = self.slope_of_energy(spring, r, start);
+        let target = &self.target.frame.rotation;
+        let curvature = *target * log_curvature(r, force) * target.transpose();
+        let rotation = 2 * self.target.bone + 1;
+        hessian.add(rotation, rotation, curvature);
     }
 }
