@@ -1,27 +1,54 @@
 //! The reduced model against the full space: the bone press on mesh S in equilibrium, 12 mm deep. The
-//! whole table is printed by `cargo run --release --example bone_press_accuracy`.
+//! whole study is the figure `bone_press`.
 
-#[path = "support/press.rs"]
-mod press;
+use std::sync::Arc;
+use supple::bake::{HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake};
+use supple::figures::press::{Pressed, limb_recipe, press, press_full_space};
+use supple::model::Avatar;
+use supple::sample::Limb;
 
-use press::{press, reduced, relative_error};
-use supple::bake::{HandlePlace, Truncation, all_tets, full_space};
+/// m.
+const DEPTHS: [f64; 4] = [0.0, 0.004, 0.008, 0.012];
+
+/// The limb with `count` handles, on all of its skin or in the volume around the contact.
+fn reduced(place: HandlePlace, count: usize, truncation: Truncation) -> Avatar {
+    let around_contact = [[0.04, -0.045, -0.005], [0.16, 0.045, 0.045]];
+    let recipe = Recipe {
+        handles: vec![HandleRegion {
+            place,
+            count: Some(count),
+            within: (place == HandlePlace::Volume).then_some(around_contact),
+            ..HandleRegion::default()
+        }],
+        truncation,
+        ..limb_recipe()
+    };
+    let body = Limb::S.body().unwrap();
+    bake(&body, &recipe, &mut |_| {}).unwrap().0
+}
+
+fn error(avatar: Avatar, truth: &Pressed) -> f64 {
+    press(&Arc::new(avatar), &DEPTHS)
+        .unwrap()
+        .relative_error(truth)
+}
 
 #[test]
 fn error_falls_with_handles_and_truncation_leaves_a_floor() {
     let avatar =
         |count, truncation| all_tets(&reduced(HandlePlace::Volume, count, truncation)).unwrap();
     let coarse = avatar(20, Truncation::OFF);
-    let truth = press(&full_space(&coarse).unwrap(), true);
+    let truth = press_full_space(&coarse, &DEPTHS).unwrap();
     // The published force of the converged full-space solution on this mesh.
-    assert!((truth.force / 15.9 - 1.0).abs() < 0.05, "{} N", truth.force);
+    let force = truth.force();
+    assert!((force / 15.9 - 1.0).abs() < 0.05, "{force} N");
     let errors = [
         coarse,
         avatar(40, Truncation::OFF),
         avatar(80, Truncation::OFF),
     ]
-    .map(|avatar| relative_error(&press(&avatar, false), &truth));
-    let truncated = relative_error(&press(&avatar(80, Truncation::default()), false), &truth);
+    .map(|avatar| error(avatar, &truth));
+    let truncated = error(avatar(80, Truncation::default()), &truth);
     println!("20, 40, 80 handles: {errors:.3?}; 80 truncated: {truncated:.3}");
     assert!(
         errors[0] > errors[1] && errors[1] > errors[2] && errors[2] < 0.45,
@@ -30,11 +57,11 @@ fn error_falls_with_handles_and_truncation_leaves_a_floor() {
     assert!(truncated > errors[2] && truncated < 0.5, "{truncated}");
 }
 
-/// Ten points a handle, whatever the handles; the whole table is the example's.
+/// Ten points a handle, whatever the handles; the whole table is the figure `cubature`.
 #[test]
 fn cubature_adds_at_most_a_fifth_to_the_error_of_all_tets() {
     let full = reduced(HandlePlace::Skin, 30, Truncation::default());
-    let truth = press(&full_space(&full).unwrap(), true);
+    let truth = press_full_space(&full, &DEPTHS).unwrap();
     for (place, count) in [
         (HandlePlace::Skin, 40),
         (HandlePlace::Skin, 82),
@@ -44,8 +71,8 @@ fn cubature_adds_at_most_a_fifth_to_the_error_of_all_tets() {
     ] {
         let avatar = reduced(place, count, Truncation::default());
         assert_eq!(avatar.cubature.len(), 10 * count);
-        let cubature = relative_error(&press(&avatar, false), &truth);
-        let whole = relative_error(&press(&all_tets(&avatar).unwrap(), false), &truth);
+        let whole = error(all_tets(&avatar).unwrap(), &truth);
+        let cubature = error(avatar, &truth);
         let share = cubature / whole - 1.0;
         println!(
             "{place:?} {count}: {cubature:.3} with cubature, {whole:.3} with all tets, share {share:.3}"

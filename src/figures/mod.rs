@@ -12,6 +12,7 @@ mod curves;
 mod gallery;
 mod html;
 mod page;
+pub mod press;
 mod rigid_soft;
 mod studio;
 
