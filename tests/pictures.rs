@@ -2,7 +2,8 @@
 
 use supple::collider::Shape;
 use supple::export::{
-    Camera, Legend, Mesh, Panel, Plane, Projection, Strip, View, colour_map, from_srgb, render,
+    Camera, ColourScale, Legend, Mesh, Panel, Plane, Projection, Strip, View, colour_map,
+    from_srgb, render,
 };
 use supple::glam::{DMat3, DVec3};
 use supple::model::{Frame, Surface};
@@ -81,9 +82,9 @@ fn a_strip_shows_shape_shadow_cut_and_legend() {
         ],
         legend: Some(Legend {
             title: "height (mm)".into(),
-            maximum: 50.0,
+            scale: ColourScale::up_to(50.0),
         }),
-        key: Vec::new(),
+        ..Strip::default()
     };
     let sheet = strip.compose(whole.background);
     if let Some(directory) = std::env::var_os("SUPPLE_PICTURES") {

@@ -2,8 +2,8 @@
 
 use super::raster::point_cloud;
 use super::{
-    Camera, Colour, Image, Legend, Mesh, Panel, Strip, View, category_colour, colour_map,
-    from_srgb, render,
+    Camera, Colour, ColourScale, Image, Legend, Mesh, Panel, Strip, View, category_colour,
+    colour_map, from_srgb, render,
 };
 use crate::Result;
 use crate::math::NearestPoint;
@@ -165,10 +165,11 @@ impl Stage {
     fn sheet(panels: Vec<Panel>, legend: Option<Legend>, key: Vec<(Colour, String)>) -> Image {
         let strip = Strip {
             panels,
+            columns: 0,
             legend,
             key,
         };
-        strip.compose(from_srgb(0xf4f2ee))
+        strip.compose(from_srgb(View::BACKGROUND))
     }
 }
 
@@ -255,7 +256,7 @@ fn basis_column(avatar: &Avatar, stage: &Stage) -> Image {
     ];
     let legend = Legend {
         title: "basis function U: 1 at its handle".into(),
-        maximum: 1.0,
+        scale: ColourScale::up_to(1.0),
     };
     Stage::sheet(panels, Some(legend), Vec::new())
 }
@@ -281,7 +282,7 @@ fn cubature(avatar: &Avatar, stage: &Stage) -> Image {
     };
     let legend = Legend {
         title: title.into(),
-        maximum: most / unit,
+        scale: ColourScale::up_to(most / unit),
     };
     Stage::sheet(stage.both(&[cloud], &what), Some(legend), Vec::new())
 }

@@ -40,40 +40,74 @@ pub(super) fn mix(a: Colour, b: Colour, t: f32) -> Colour {
 /// A cubic Bézier curve in OKLab (Ottosson 2020) whose lightness falls linearly, walked at constant
 /// speed, so that equal steps of `t` look equally large.
 pub fn colour_map(t: f64) -> Colour {
-    const STEPS: usize = 256;
-    /// `[L, a, b]` control points.
-    const CONTROL: [[f64; 3]; 4] = [
-        [0.930, 0.008, 0.028],
-        [0.727, 0.105, 0.225],
-        [0.523, 0.330, 0.030],
-        [0.320, 0.075, -0.125],
-    ];
-    static TABLE: LazyLock<Vec<Colour>> = LazyLock::new(|| {
-        let at = |t: f64| -> [f64; 3] {
-            let s = 1.0 - t;
-            let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
-            std::array::from_fn(|k| (0..4).map(|c| weights[c] * CONTROL[c][k]).sum())
-        };
-        const FINE: usize = 16 * STEPS;
-        let points: Vec<_> = (0..=FINE).map(|i| at(i as f64 / FINE as f64)).collect();
-        let mut length = vec![0.0];
-        for pair in points.windows(2) {
-            let step: f64 = (0..3).map(|k| (pair[1][k] - pair[0][k]).powi(2)).sum();
-            length.push(length[length.len() - 1] + step.sqrt());
-        }
-        (0..=STEPS)
-            .map(|i| {
-                let wanted = length[FINE] * i as f64 / STEPS as f64;
-                oklab_to_rgb(points[length.partition_point(|&l| l < wanted).min(FINE)])
-            })
-            .collect()
+    static CURVE: LazyLock<Vec<Colour>> = LazyLock::new(|| {
+        evenly([
+            [0.930, 0.008, 0.028],
+            [0.727, 0.105, 0.225],
+            [0.523, 0.330, 0.030],
+            [0.320, 0.075, -0.125],
+        ])
     });
+    at(&CURVE, t)
+}
+
+/// The colour of `t` in −1..1 (clamped), from blue through cream (0) to red; made as [`colour_map`] is, both sides
+/// darkening alike.
+pub fn diverging_map(t: f64) -> Colour {
+    static BELOW: LazyLock<Vec<Colour>> = LazyLock::new(|| {
+        evenly([
+            [0.930, 0.008, 0.028],
+            [0.740, -0.090, -0.060],
+            [0.550, -0.070, -0.190],
+            [0.360, 0.010, -0.150],
+        ])
+    });
+    static ABOVE: LazyLock<Vec<Colour>> = LazyLock::new(|| {
+        evenly([
+            [0.930, 0.008, 0.028],
+            [0.740, 0.120, 0.110],
+            [0.550, 0.210, 0.120],
+            [0.360, 0.150, 0.050],
+        ])
+    });
+    match t < 0.0 {
+        true => at(&BELOW, -t),
+        false => at(&ABOVE, t),
+    }
+}
+
+/// Steps of a table of colours.
+const STEPS: usize = 256;
+
+/// A cubic Bézier curve's `[L, a, b]` control points as [`STEPS`] + 1 colours at equal distances along it.
+fn evenly(control: [[f64; 3]; 4]) -> Vec<Colour> {
+    const FINE: usize = 16 * STEPS;
+    let at = |t: f64| -> [f64; 3] {
+        let s = 1.0 - t;
+        let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+        std::array::from_fn(|k| (0..4).map(|c| weights[c] * control[c][k]).sum())
+    };
+    let points: Vec<_> = (0..=FINE).map(|i| at(i as f64 / FINE as f64)).collect();
+    let mut length = vec![0.0];
+    for pair in points.windows(2) {
+        let step: f64 = (0..3).map(|k| (pair[1][k] - pair[0][k]).powi(2)).sum();
+        length.push(length[length.len() - 1] + step.sqrt());
+    }
+    let place = |i: usize| {
+        let wanted = length[FINE] * i as f64 / STEPS as f64;
+        oklab_to_rgb(points[length.partition_point(|&l| l < wanted).min(FINE)])
+    };
+    (0..=STEPS).map(place).collect()
+}
+
+/// The colour at `t` in 0..1 (clamped; NaN is 0) of a table.
+fn at(table: &[Colour], t: f64) -> Colour {
     let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
     let place = t * STEPS as f64;
     let below = (place as usize).min(STEPS - 1);
     mix(
-        TABLE[below],
-        TABLE[below + 1],
+        table[below],
+        table[below + 1],
         (place - below as f64) as f32,
     )
 }
@@ -133,6 +167,15 @@ mod tests {
         for i in 0..64 {
             let t = f64::from(i) / 64.0;
             assert!(luminance(t) > luminance(t + 1.0 / 64.0), "at {t}");
+        }
+        for i in 0..64 {
+            let t = f64::from(i) / 64.0;
+            for side in [-1.0, 1.0] {
+                let [r, g, b] = diverging_map(side * t);
+                let [s, h, c] = diverging_map(side * (t + 1.0 / 64.0));
+                let falls = 0.2126 * (r - s) + 0.7152 * (g - h) + 0.0722 * (b - c);
+                assert!(falls > 0.0, "diverging at {}", side * t);
+            }
         }
         assert_eq!(colour_map(-1.0), colour_map(0.0));
         assert_eq!(colour_map(f64::NAN), colour_map(0.0));

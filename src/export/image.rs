@@ -55,6 +55,18 @@ impl Image {
         }
     }
 
+    /// Lays `other` into the lower right corner, in a thin frame.
+    pub fn inset(&mut self, other: &Image, frame: Colour) {
+        const FRAME: usize = 2;
+        let (width, height) = (other.width + 2 * FRAME, other.height + 2 * FRAME);
+        let (x, y) = (
+            self.width.saturating_sub(width),
+            self.height.saturating_sub(height),
+        );
+        self.fill(x as i64, y as i64, width, height, frame);
+        self.paste(x + FRAME, y + FRAME, other);
+    }
+
     /// The picture as the bytes of a PNG file.
     pub fn to_png(&self) -> Result<Vec<u8>> {
         let failed = |e: png::EncodingError| Error::invalid("image", format!("no PNG of it: {e}"));

@@ -1,7 +1,7 @@
 //! Several pictures on one sheet, with captions and a colour legend.
 
 use super::text::{draw_text, text_width};
-use super::{Colour, Image, colour_map, from_srgb};
+use super::{Colour, ColourScale, Image, from_srgb};
 
 /// One picture of a strip.
 #[derive(Clone, Debug)]
@@ -17,15 +17,17 @@ pub struct Panel {
 pub struct Legend {
     /// What is shown, with its unit.
     pub title: String,
-    /// Value of the darkest colour; the lightest is 0.
-    pub maximum: f64,
+    /// Which colours stand for which values.
+    pub scale: ColourScale,
 }
 
 /// A sheet of panels side by side.
 #[derive(Clone, Debug, Default)]
 pub struct Strip {
-    /// The panels, from the left.
+    /// The panels, row by row from the left.
     pub panels: Vec<Panel>,
+    /// Panels in a row; 0 puts all of them into one.
+    pub columns: usize,
     /// Below them, if there is something to read off.
     pub legend: Option<Legend>,
     /// What colours stand for, below that.
@@ -36,36 +38,54 @@ const INK: u32 = 0x33302c;
 const GAP: usize = 6;
 
 impl Strip {
-    /// Draws the sheet.
+    /// Draws the sheet. A row is as high, and a column as wide, as its largest picture.
     pub fn compose(&self, background: Colour) -> Image {
-        let panels = &self.panels;
-        let height = panels.iter().map(|p| p.image.height).max().unwrap_or(0);
-        let gaps = GAP * panels.len().saturating_sub(1);
-        let width = panels.iter().map(|p| p.image.width).sum::<usize>() + gaps;
-        let size = (height / 24).clamp(12, 28);
+        let columns = match self.columns {
+            0 => self.panels.len().max(1),
+            n => n.min(self.panels.len().max(1)),
+        };
+        let rows: Vec<&[Panel]> = self.panels.chunks(columns).collect();
+        let tallest = |row: &&[Panel]| row.iter().map(|p| p.image.height).max().unwrap_or(0);
+        let heights: Vec<usize> = rows.iter().map(tallest).collect();
+        let widest = |c: usize| {
+            let column = rows.iter().filter_map(|row| row.get(c));
+            column.map(|p| p.image.width).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..columns).map(widest).collect();
+        let width = widths.iter().sum::<usize>() + GAP * (columns - 1);
+        let size = (heights.iter().max().unwrap_or(&0) / 24).clamp(12, 28);
         let legend_rows = if self.legend.is_some() { 4 * size } else { 0 };
         let key = KeyLayout::new(&self.key, width, size);
-        let rows = height + 2 * size + legend_rows;
-        let mut sheet = Image::new(width, rows + key.height(), background);
-        key.draw(&self.key, &mut sheet, rows as i64);
-        let ink = from_srgb(INK);
-        let mut left = 0;
-        for panel in panels {
-            sheet.paste(left, 0, &panel.image);
-            // A caption stays under its own picture.
-            let room = panel.image.width;
-            let fits = |s: &usize| text_width(&panel.caption, *s) <= room;
-            let letters = (8..=size).rev().find(fits).unwrap_or(8);
-            let wide = text_width(&panel.caption, letters) as i64;
-            let x = left as i64 + (room as i64 - wide) / 2;
-            let y = (height + size / 2) as i64;
-            draw_text(&mut sheet, x, y, letters, &panel.caption, ink);
-            left += panel.image.width + GAP;
+        let pictures = heights.iter().map(|h| h + 2 * size).sum::<usize>();
+        let below = pictures + legend_rows;
+        let mut sheet = Image::new(width, below + key.height(), background);
+        key.draw(&self.key, &mut sheet, below as i64);
+        let mut top = 0;
+        for (row, height) in rows.iter().zip(&heights) {
+            let mut left = 0;
+            for (panel, width) in row.iter().zip(&widths) {
+                let indent = (width - panel.image.width) / 2;
+                sheet.paste(left + indent, top, &panel.image);
+                panel.write_caption(&mut sheet, left, top + height + size / 2, *width, size);
+                left += width + GAP;
+            }
+            top += height + 2 * size;
         }
         if let Some(legend) = &self.legend {
-            legend.draw(&mut sheet, (height + 2 * size) as i64, size);
+            legend.draw(&mut sheet, pictures as i64, size);
         }
         sheet
+    }
+}
+
+impl Panel {
+    /// Writes the caption, with letters of `size` pixels or as small as stay under the picture.
+    fn write_caption(&self, sheet: &mut Image, left: usize, y: usize, room: usize, size: usize) {
+        let fits = |s: &usize| text_width(&self.caption, *s) <= room;
+        let letters = (8..=size).rev().find(fits).unwrap_or(8);
+        let wide = text_width(&self.caption, letters) as i64;
+        let x = left as i64 + (room as i64 - wide) / 2;
+        draw_text(sheet, x, y as i64, letters, &self.caption, from_srgb(INK));
     }
 }
 
@@ -131,20 +151,32 @@ impl Legend {
         let line = size as i64;
         centred(sheet, &self.title, left + length as i64 / 2, y + line / 4);
         let bar = y + line * 3 / 2;
+        let ColourScale { low, high, .. } = self.scale;
+        let span = high - low;
         for x in 0..length {
-            let colour = colour_map((x as f64 + 0.5) / length as f64);
-            sheet.fill(left + x as i64, bar, 1, size * 3 / 4, colour);
+            let value = low + span * (x as f64 + 0.5) / length as f64;
+            sheet.fill(
+                left + x as i64,
+                bar,
+                1,
+                size * 3 / 4,
+                self.scale.colour(value),
+            );
         }
         // Numbers that would touch stand twice as far apart.
-        let mut step = tick_step(self.maximum);
-        let widest = text_width(&format!("{:.0}  ", self.maximum), size) as f64;
-        while step > 0.0 && step / self.maximum * (length as f64) < widest {
+        let mut step = tick_step(span);
+        let widest = text_width(&format!("{high:.0}  "), size) as f64;
+        while step > 0.0 && step / span * (length as f64) < widest {
             step *= 2.0;
         }
-        let ticks = (self.maximum / step + 1e-9).floor() as usize;
-        for k in (0..=ticks).filter(|_| step > 0.0) {
+        if step == 0.0 {
+            return;
+        }
+        let first = (low / step - 1e-9).ceil() as i64;
+        let last = (high / step + 1e-9).floor() as i64;
+        for k in first..=last {
             let value = k as f64 * step;
-            let x = left + (value / self.maximum * (length - 1) as f64).round() as i64;
+            let x = left + ((value - low) / span * (length - 1) as f64).round() as i64;
             sheet.fill(x, bar + line * 3 / 4, 1, size / 4, ink);
             let decimals = if step < 1.0 {
                 (-step.log10().floor()) as usize

@@ -1,6 +1,9 @@
 //! What figures are made with: avatars, scenes, runs.
 
-use crate::export::{Image, SceneRun, picture_strip, run_scene};
+use crate::export::{
+    Camera, Image, Legend, Mesh, Panel, Plane, SceneRun, Strip, View, from_srgb, picture_strip,
+    render, run_scene,
+};
 use crate::load::{AvatarSource, Sample, Scene, load_avatar, read_scene};
 use crate::model::Avatar;
 use crate::reference::Reference;
@@ -83,13 +86,14 @@ impl Studio {
         (self.progress)(Progress { what, done, of });
     }
 
-    /// The committed scene `name`, with every step recorded.
+    /// The committed scene `name`, with every step recorded; drawn quickly in a test.
     ///
     /// # Errors
     /// As [`read_scene`].
     pub fn scene(&self, name: &str) -> Result<Scene> {
         let mut scene = read_scene(self.scenes.join(name).with_extension("toml"))?;
         scene.output.record_every = 1;
+        scene.output.draft = self.small();
         Ok(scene)
     }
 
@@ -167,6 +171,40 @@ impl Studio {
         run_scene(scene, avatar, simulation, &mut |step| {
             self.progress(&scene.name, step, scene.steps);
         })
+    }
+
+    /// A picture of `meshes` of `width` × `height` pixels; a quarter of that in a test.
+    pub fn picture(&self, meshes: &[Mesh], camera: Camera, [width, height]: [usize; 2]) -> Image {
+        self.opened_picture(meshes, camera, [width, height], None)
+    }
+
+    /// The same with the meshes that have a cut colour opened by `clip`.
+    pub fn opened_picture(
+        &self,
+        meshes: &[Mesh],
+        camera: Camera,
+        [width, height]: [usize; 2],
+        clip: Option<Plane>,
+    ) -> Image {
+        let view = View {
+            clip,
+            ..match self.size {
+                Size::Full => View::new(camera, width, height),
+                Size::Small => View::new(camera, width / 4, height / 4).draft(),
+            }
+        };
+        render(meshes, &view)
+    }
+
+    /// Panels on one sheet, so many in a row (0: all), over a legend.
+    pub fn sheet(&self, panels: Vec<Panel>, columns: usize, legend: Option<Legend>) -> Image {
+        let strip = Strip {
+            panels,
+            columns,
+            legend,
+            ..Strip::default()
+        };
+        strip.compose(from_srgb(View::BACKGROUND))
     }
 
     /// The panels that `scene` asks for, side by side.

@@ -66,6 +66,16 @@ impl Camera {
         camera
     }
 
+    /// [`Camera::framing`] of the ball around `centre`.
+    pub fn near(centre: DVec3, radius: f64, direction: DVec3, up: DVec3, aspect: f64) -> Self {
+        let corner = |k: usize| {
+            let sign = |bit: usize| if k >> bit & 1 == 0 { -radius } else { radius };
+            centre + DVec3::new(sign(0), sign(1), sign(2)) / 3f64.sqrt()
+        };
+        let corners: [DVec3; 8] = std::array::from_fn(corner);
+        Self::framing(&corners, direction, up, aspect)
+    }
+
     /// Columns: right, up, backward.
     pub fn axes(&self) -> DMat3 {
         let back = (self.eye - self.target).normalize_or(DVec3::Z);

@@ -1,9 +1,9 @@
 //! What is measured in a run.
 
 use crate::export::report::{Breakdown, Median, Report, Spread, percentile};
+use crate::export::skin_displacement;
 use crate::load::Scene;
 use crate::model::{Avatar, BasisEntry, State};
-use crate::reference::displacement::unposed_displacement;
 use crate::reference::elasticity::displacement_gradient;
 use crate::reference::min_det_f;
 use crate::sim::{Instance, StepReport};
@@ -54,7 +54,7 @@ impl<'a> Measures<'a> {
     /// Takes in step number `step`, counted from 1.
     pub fn add(&mut self, step: usize, report: &StepReport, instance: &Instance, skin: &[DVec3]) {
         const MM: f64 = 1e3;
-        self.displacement = unposed_displacements(self.avatar, &instance.state);
+        self.displacement = skin_displacement(self.avatar, &instance.state);
         let longest = longest(self.displacement.iter().copied()) * MM;
         let this = &report.instances[0];
         let r = &mut self.report;
@@ -131,13 +131,6 @@ impl<'a> Measures<'a> {
             ..self.report
         }
     }
-}
-
-/// Σ U φ at each skin vertex, m.
-fn unposed_displacements(avatar: &Avatar, state: &State) -> Vec<DVec3> {
-    let rows = avatar.skin.basis.iter();
-    rows.map(|row| unposed_displacement(row, &state.handles))
-        .collect()
 }
 
 fn longest(vectors: impl Iterator<Item = DVec3>) -> f64 {

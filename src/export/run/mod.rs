@@ -42,8 +42,8 @@ pub struct Snapshot {
     pub panel: PanelTime,
     /// Drawn skin, m.
     pub skin: Vec<DVec3>,
-    /// Length of the unposed displacement of each skin vertex, m.
-    pub displacement: Vec<f64>,
+    /// Unposed displacement of each skin vertex, m.
+    pub displacement: Vec<DVec3>,
     /// A frame for each collider.
     pub colliders: Vec<Frame>,
 }
@@ -88,7 +88,7 @@ pub fn run_scene<P: Potential>(
                 *snapshot = Some(Snapshot {
                     panel: panel.clone(),
                     skin: skin.clone(),
-                    displacement: measures.displacement().iter().map(|d| d.length()).collect(),
+                    displacement: measures.displacement().to_vec(),
                     colliders: driver.collider_frames(time).collect(),
                 });
             }

@@ -2,28 +2,28 @@
 
 use super::{COLLIDER_COLOUR, HALF_SPACE_EXTENT, Snapshot};
 use crate::export::{
-    Camera, Image, Legend, Mesh, Panel, Plane, Strip, View, colour_map, from_srgb, render,
+    Camera, ColourScale, Image, Legend, Mesh, Panel, Plane, Strip, View, from_srgb, render,
 };
 use crate::load::Scene;
-use crate::load::scene::Focus;
+use crate::load::scene::{Focus, Inset};
 use crate::model::{Avatar, Surface};
 use glam::DVec3;
 
 /// Cut tissue.
 const FLESH: u32 = 0xd98a7b;
+/// Around an inset.
+const FRAME: u32 = 0xb8b0a5;
 
 /// Draws the snapshots side by side: the skin coloured by its unposed displacement, and the colliders.
 /// All of them share the colour scale, and the camera where they do not ask for their own.
 pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Image {
     let output = &scene.output;
-    let largest = snapshots
-        .iter()
-        .flat_map(|s| &s.displacement)
-        .fold(0.0, |a: f64, b| a.max(*b));
-    let maximum = output.legend_mm.map_or(largest.max(1e-5), |mm| 1e-3 * mm);
+    let displacements = snapshots.iter().flat_map(|s| &s.displacement);
+    let largest = displacements.map(|d| d.length()).fold(1e-5, f64::max);
+    let scale = ColourScale::up_to(output.legend_mm.unwrap_or(1e3 * largest));
     let scenes: Vec<Vec<Mesh>> = snapshots
         .iter()
-        .map(|s| meshes(scene, avatar, s, maximum))
+        .map(|s| meshes(scene, avatar, s, &scale))
         .collect();
     let [width, height] = output.panel_size;
     // The skin is always framed; of colliders only those that are not as wide as a floor.
@@ -55,11 +55,9 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         }),
         ..View::new(camera, width, height)
     };
+    let view = if output.draft { view.draft() } else { view };
     let panel = |((snapshot, meshes), travel): ((&Snapshot, &Vec<Mesh>), &DVec3)| {
-        let frame = |points: &[DVec3]| {
-            let direction = snapshot.panel.view.unwrap_or(output.view);
-            Camera::framing(points, direction, DVec3::Z, aspect)
-        };
+        let direction = snapshot.panel.view.unwrap_or(output.view);
         let going_along = |camera: Camera| Camera {
             eye: camera.eye + *travel,
             target: camera.target + *travel,
@@ -67,15 +65,22 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         };
         let camera = match (snapshot.panel.focus, snapshot.panel.view) {
             (None, None) => going_along(camera),
-            (None, Some(_)) => going_along(frame(&framed)),
-            (Some(Focus { point, radius }), _) => frame(&corners(point, radius)),
+            (None, Some(_)) => going_along(Camera::framing(&framed, direction, DVec3::Z, aspect)),
+            (Some(Focus { point, radius }), _) => {
+                Camera::near(point, radius, direction, DVec3::Z, aspect)
+            }
         };
         let view = View {
             camera,
             ..view.clone()
         };
+        let mut image = render(meshes, &view);
+        if let Some(inset) = snapshot.panel.inset {
+            let unposed = unposed_picture(avatar, snapshot, inset, &scale, &view);
+            image.inset(&unposed, from_srgb(FRAME));
+        }
         Panel {
-            image: render(meshes, &view),
+            image,
             caption: snapshot.panel.caption.clone(),
         }
     };
@@ -85,9 +90,9 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
             .collect(),
         legend: Some(Legend {
             title: "unposed displacement (mm)".into(),
-            maximum: 1e3 * maximum,
+            scale,
         }),
-        key: Vec::new(),
+        ..Strip::default()
     };
     strip.compose(view.background)
 }
@@ -96,25 +101,47 @@ fn middle(points: &[DVec3]) -> DVec3 {
     points.iter().sum::<DVec3>() / points.len().max(1) as f64
 }
 
-/// Corners of the cube in a ball.
-fn corners(centre: DVec3, radius: f64) -> Vec<DVec3> {
-    let corner = |k: usize| {
-        let sign = |bit: usize| if k >> bit & 1 == 0 { -radius } else { radius };
-        centre + DVec3::new(sign(0), sign(1), sign(2)) / 3f64.sqrt()
+/// The reference shape, displaced and coloured as the snapshot's skin is, at two fifths of `view`'s size.
+fn unposed_picture(
+    avatar: &Avatar,
+    snapshot: &Snapshot,
+    inset: Inset,
+    scale: &ColourScale,
+    view: &View,
+) -> Image {
+    let rest = avatar.skin.position.iter();
+    let positions = rest.zip(&snapshot.displacement).map(|(x, d)| *x + *d);
+    let skin = skin_mesh(avatar, positions.collect(), snapshot, scale);
+    let [width, height] = [2 * view.width / 5, 2 * view.height / 5];
+    let aspect = width as f64 / height as f64;
+    let camera = Camera::framing(&skin.surface.positions, inset.view, inset.up, aspect);
+    let view = View {
+        camera,
+        width,
+        height,
+        clip: None,
+        ..view.clone()
     };
-    (0..8).map(corner).collect()
+    render(&[skin], &view)
 }
 
-fn meshes(scene: &Scene, avatar: &Avatar, snapshot: &Snapshot, maximum: f64) -> Vec<Mesh> {
-    let skin = Surface {
-        positions: snapshot.skin.clone(),
+/// The skin at `positions`, coloured by its displacement in mm.
+fn skin_mesh(
+    avatar: &Avatar,
+    positions: Vec<DVec3>,
+    snapshot: &Snapshot,
+    scale: &ColourScale,
+) -> Mesh {
+    let surface = Surface {
+        positions,
         triangles: avatar.triangles.clone(),
     };
-    let colours = snapshot
-        .displacement
-        .iter()
-        .map(|d| colour_map(d / maximum));
-    let skin = Mesh::coloured(skin, colours.collect());
+    let displacement = snapshot.displacement.iter().map(|d| 1e3 * d.length());
+    Mesh::coloured(surface, scale.colours(displacement))
+}
+
+fn meshes(scene: &Scene, avatar: &Avatar, snapshot: &Snapshot, scale: &ColourScale) -> Vec<Mesh> {
+    let skin = skin_mesh(avatar, snapshot.skin.clone(), snapshot, scale);
     let mut meshes = vec![match scene.output.cut {
         Some(_) => skin.opened(from_srgb(FLESH)),
         None => skin,

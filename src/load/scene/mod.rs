@@ -168,6 +168,8 @@ pub struct Output {
     pub cut: Option<Cut>,
     /// Value of the darkest colour, mm; the largest displacement drawn if not given.
     pub legend_mm: Option<f64>,
+    /// Whether pictures are drawn quickly rather than smoothly.
+    pub draft: bool,
     /// Steps from one recorded state to the next, in the GLB file.
     pub record_every: usize,
 }
@@ -184,9 +186,22 @@ pub struct PanelTime {
     pub focus: Option<Focus>,
     /// Direction in which the camera looks; [`Output::view`] if not given.
     pub view: Option<DVec3>,
+    /// In a corner, the same displacement on the reference shape.
+    pub inset: Option<Inset>,
     /// Whether colliders are drawn: without them the skin that they hide is seen.
     #[serde(default = "drawn")]
     pub colliders: bool,
+}
+
+/// How the reference shape is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Inset {
+    /// Direction in which the camera looks.
+    pub view: DVec3,
+    /// What is up in the character's file.
+    #[serde(default = "z_axis")]
+    pub up: DVec3,
 }
 
 /// A ball that fills a picture.
@@ -218,9 +233,14 @@ impl Default for Output {
             panel_size: [640, 560],
             cut: None,
             legend_mm: None,
+            draft: false,
             record_every: 2,
         }
     }
+}
+
+fn z_axis() -> DVec3 {
+    DVec3::Z
 }
 
 fn drawn() -> bool {

@@ -84,6 +84,7 @@ impl Scene {
             caption: format!("{time:.2} s"),
             focus: None,
             view: None,
+            inset: None,
             colliders: true,
         };
         let mut times = vec![
@@ -179,9 +180,10 @@ impl Scene {
                 "must be positive (m)",
             )?;
             check(
-                panel.view.is_none_or(|v| v.length() > 0.0),
-                format!("output.panels[{i}].view"),
-                "must be a direction that has a length",
+                panel.view.is_none_or(|v| v.length() > 0.0)
+                    && (panel.inset).is_none_or(|i| i.view.cross(i.up).length() > 0.0),
+                format!("output.panels[{i}]"),
+                "its view, and its inset's, must be directions that have a length, not that of up",
             )?;
         }
         let [width, height] = self.output.panel_size;

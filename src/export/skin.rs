@@ -1,0 +1,42 @@
+//! An avatar's skin in a state.
+
+use crate::model::{Avatar, State, Surface, pose_feature};
+use crate::reference::displacement::unposed_displacement;
+use crate::reference::pose_blend::pose_blend;
+use crate::reference::skin::skin;
+use glam::DVec3;
+
+/// Where the skin of `avatar` is drawn in `state`, m: x = Σ w (R (x̄ + U φ − J) + c).
+pub fn posed_skin(avatar: &Avatar, state: &State) -> Surface {
+    let (skeleton, points) = (&avatar.skeleton, &avatar.skin);
+    let feature = pose_feature(&skeleton.parents, &state.frames);
+    let mut rest = vec![DVec3::ZERO; points.len()];
+    pose_blend(&points.position, &points.pose_blend, &feature, 0, &mut rest);
+    let rows = points.skinning.iter().zip(points.basis.iter());
+    let place = |(rest, (skinning, basis)): (&DVec3, _)| {
+        let (frames, handles) = (&state.frames, &state.handles);
+        skin(skinning, basis, &skeleton.joints, frames, handles, *rest)
+    };
+    Surface {
+        positions: rest.iter().zip(rows).map(place).collect(),
+        triangles: avatar.triangles.clone(),
+    }
+}
+
+/// U φ at each skin vertex, m: how far the tissue is from the skinned shape, before the pose.
+pub fn skin_displacement(avatar: &Avatar, state: &State) -> Vec<DVec3> {
+    let rows = avatar.skin.basis.iter();
+    rows.map(|row| unposed_displacement(row, &state.handles))
+        .collect()
+}
+
+/// The skin in the reference shape, displaced as in `state`, m: X + U φ.
+pub fn unposed_skin(avatar: &Avatar, state: &State) -> Surface {
+    let displacement = skin_displacement(avatar, state);
+    Surface {
+        positions: (avatar.skin.position.iter().zip(displacement))
+            .map(|(x, d)| *x + d)
+            .collect(),
+        triangles: avatar.triangles.clone(),
+    }
+}
