@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
+use supple::export::{picture_strip, run_scene, write_glb};
 use supple::glam::{DMat3, DVec3};
 use supple::math::{Random, rotation_exp};
 use supple::model::{Avatar, BoneMass, Frame, RigidBody, pose_feature};
@@ -270,4 +271,79 @@ fn unusable_bodies_are_refused_by_name() {
     let with = avatar.with_bodies([RigidBody::new("b", BOX, 800.0).unwrap()]);
     let refused = supple::bake::to_bytes(&with.unwrap(), None).unwrap_err();
     assert!(refused.to_string().contains("bodies"), "{refused}");
+}
+
+const SCENE: &str = r#"
+name = "thrown"
+steps = 30
+[avatar]
+sample = "limb_s"
+[[pins]]
+bone = "bone"
+[[bodies]]
+name = "ball"
+shape = { shape = "sphere", radius = 0.02 }
+mass = 0.05
+position = [0.1, 0.0, 0.3]
+velocity = [0.5, 0.0, 1.0]
+spin_degrees = [0.0, 90.0, 0.0]
+[[colliders]]
+name = "floor"
+shape = { shape = "half_space" }
+motion = { z = [[0.0, -0.4]] }
+"#;
+
+/// A scene's body starts as it says, flies, and goes into pictures and the GLB file.
+#[test]
+fn a_scene_throws_a_body() -> Result<()> {
+    let path = std::path::Path::new("thrown.toml");
+    let scene = supple::load::parse_scene(SCENE, path)?;
+    let bone = support::full_space_limb(&support::SMALL, 1, true);
+    let mut avatar = Avatar {
+        skeleton: supple::model::Skeleton {
+            names: vec!["bone".into()],
+            ..bone.skeleton.clone()
+        },
+        ..bone
+    };
+    scene.dress(&mut avatar)?;
+    let avatar = Arc::new(avatar);
+    let potential = Reference::new(avatar.clone(), 1, 10_000)?;
+    let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
+    let run = run_scene(&scene, &avatar, &mut simulation, &mut |_| {})?;
+    let (n, h, g) = (f64::from(30), 0.01, scene.gravity);
+    let body = &scene.bodies[0];
+    let flown = body.position + body.velocity * n * h + 0.5 * h * h * n * (n + 1.0) * g;
+    let frame = simulation.instances()[0].state.frames[1];
+    assert!((frame.position - flown).length() < 1e-8, "{frame:?}");
+    let turned = (frame.rotation * DVec3::Z)
+        .angle_between(DVec3::Z)
+        .to_degrees();
+    assert!((turned - 27.0).abs() < 0.5, "{turned}");
+    assert_eq!(run.snapshots[0].bodies.len(), 1);
+    assert_eq!(run.report.max_penetration_mm, 0.0);
+    let strip = picture_strip(&scene, &avatar, &run.snapshots);
+    assert!(strip.width > 0);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("avatar.glb");
+    write_glb(&avatar, &run.recording, &file)?;
+    let bytes = std::fs::read(&file).unwrap();
+    let glb = gltf::Glb::from_slice(&bytes).unwrap();
+    let text = String::from_utf8_lossy(&glb.json).into_owned();
+    assert!(text.contains("ball surface"));
+
+    for (from, to, message) in [
+        ("mass = 0.05", "mass = -1.0", "bodies[0].mass"),
+        ("radius = 0.02", "radius = 0.0", "bodies[0].shape.radius"),
+        ("mass = 0.05", "friction = 99.0", "bodies[0].friction"),
+        (
+            "shape = \"sphere\", radius = 0.02",
+            "shape = \"half_space\"",
+            "half-space",
+        ),
+    ] {
+        let error = supple::load::parse_scene(&SCENE.replace(from, to), path).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+    Ok(())
 }

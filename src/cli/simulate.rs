@@ -78,7 +78,7 @@ impl Arguments {
             &self.cache,
             &mut progress::baking_if_needed(),
         )?;
-        scene.dress(&mut avatar);
+        scene.dress(&mut avatar)?;
         if self.full_space {
             avatar = full_space(&avatar)?;
         }
@@ -130,7 +130,7 @@ impl Arguments {
                 gpu.adapter.name, gpu.adapter.backend
             );
             let options = GpuOptions {
-                colliders: scene.colliders.len().max(1),
+                colliders: scene.collider_count().max(1),
                 ..GpuOptions::default()
             };
             let (device, queue) = (&gpu.device, &gpu.queue);
@@ -140,7 +140,7 @@ impl Arguments {
             time_stages(simulation.potential_mut(), &mut run.report.breakdown_ms)?;
             return Ok((run, "gpu".into()));
         }
-        let contacts = avatar.skin.len() * scene.colliders.len();
+        let contacts = avatar.skin.len() * scene.collider_count();
         let potential = Reference::new(avatar.clone(), 1, contacts)?;
         if self.full_space {
             eprintln!("backend: cpu, full space");

@@ -214,6 +214,19 @@ impl Collider {
         }
     }
 
+    /// The collider in world space, its carrier being one of the system's `frames`.
+    pub fn carried(&self, frames: &[Frame]) -> Self {
+        let carrier = self.carrier.and_then(|j| frames.get(j as usize));
+        let frame = match carrier {
+            Some(c) => Frame {
+                rotation: c.rotation * self.frame.rotation,
+                position: c.transform(self.frame.position),
+            },
+            None => self.frame,
+        };
+        Self { frame, ..*self }
+    }
+
     /// Distance and normal at a world point, the collider standing at the end of the step.
     pub fn signed_distance(&self, point: DVec3) -> SignedDistance {
         let local = self

@@ -2,6 +2,9 @@
 
 use std::sync::LazyLock;
 
+/// What rigid bodies look like.
+pub(super) const BODY_COLOUR: u32 = 0xc9a227;
+
 /// Linear RGB, each in 0..1.
 pub type Colour = [f32; 3];
 

@@ -131,8 +131,9 @@ impl Studio {
     /// As [`Studio::avatar`].
     pub fn avatar_of(&self, scene: &Scene) -> Result<Arc<Avatar>> {
         let mut avatar = self.avatar(&scene.avatar)?;
-        if scene.material.is_some() || scene.damping_time.is_some() {
-            scene.dress(Arc::make_mut(&mut avatar));
+        let own = scene.material.is_some() || scene.damping_time.is_some();
+        if own || !scene.bodies.is_empty() {
+            scene.dress(Arc::make_mut(&mut avatar))?;
         }
         Ok(avatar)
     }
@@ -215,7 +216,7 @@ impl Studio {
 
 /// Room for every vertex to touch every collider.
 fn contacts(scene: &Scene, avatar: &Avatar) -> usize {
-    avatar.skin.len() * scene.colliders.len()
+    avatar.skin.len() * scene.collider_count()
 }
 
 /// What a figure that panicked left is as good as before: a slot is written in one go.

@@ -81,28 +81,45 @@ impl RigidBody {
 }
 
 impl Avatar {
-    /// The avatar with `bodies` in its system, after those that it has. Bones, tissue and drawn parts keep
-    /// their places; each body adds a root frame, its surface's vertices and its triangles at the end.
+    /// The avatar with `bodies` in its system; see [`Avatar::add_body`].
     ///
     /// # Errors
-    /// [`Error::Invalid`] of a body whose name is taken or whose numbers are unusable.
+    /// As [`Avatar::add_body`].
     pub fn with_bodies(mut self, bodies: impl IntoIterator<Item = RigidBody>) -> Result<Self> {
-        for body in bodies {
-            let frame = self.skeleton.len() as u32;
-            self.skeleton.names.push(body.name.clone());
-            self.skeleton.parents.push(None);
-            self.skeleton.joints.push(body.place.position);
-            self.bone_masses.push(body.mass);
-            let first = self.skin.len() as u32;
-            let shifted = |t: &[u32; 3]| t.map(|v| first + v);
-            self.triangles
-                .extend(body.surface.triangles.iter().map(shifted));
-            self.skin
-                .append_rigid(&body.surface, frame, body.place.position);
-            self.bodies.push(body);
-        }
-        self.validate()?;
+        bodies.into_iter().try_for_each(|b| self.add_body(b))?;
         Ok(self)
+    }
+
+    /// Adds a body to the avatar's system, after those that it has. Bones, tissue and drawn parts keep
+    /// their places: the body's root frame, its surface's vertices and its triangles come at the end.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of a body whose name is taken or whose numbers are unusable; nothing is added then.
+    pub fn add_body(&mut self, body: RigidBody) -> Result<()> {
+        let frame = self.skeleton.len();
+        let field = |key: &str| format!("bodies.{}{key}", body.name);
+        if self.skeleton.find(&body.name).is_some() {
+            return Err(Error::invalid(field(""), "a bone or body has that name"));
+        }
+        if !(body.place.position.is_finite() && body.place.rotation.is_finite()) {
+            return Err(Error::invalid(field(".place"), "is not finite"));
+        }
+        if !(body.mass.mass() > 0.0 && body.mass.mass().is_finite()) {
+            return Err(Error::invalid(field(".mass"), "must be positive (kg)"));
+        }
+        body.collider(frame).validate()?;
+        self.skeleton.names.push(body.name.clone());
+        self.skeleton.parents.push(None);
+        self.skeleton.joints.push(body.place.position);
+        self.bone_masses.push(body.mass);
+        let first = self.skin.len() as u32;
+        let shifted = |t: &[u32; 3]| t.map(|v| first + v);
+        self.triangles
+            .extend(body.surface.triangles.iter().map(shifted));
+        self.skin
+            .append_rigid(&body.surface, frame as u32, body.place.position);
+        self.bodies.push(body);
+        Ok(())
     }
 
     /// Number of the character's own bones: frames before those of the bodies.

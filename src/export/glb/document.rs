@@ -3,7 +3,9 @@
 use super::buffer::{Buffer, container};
 use super::morph::Morphs;
 use super::{Prop, Recording};
-use crate::model::{Avatar, Frame, Surface};
+use crate::export::colour::BODY_COLOUR;
+use crate::export::{Mesh, from_srgb};
+use crate::model::{Avatar, Frame, RigidBody, Surface};
 use crate::{Error, Result};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
@@ -42,6 +44,9 @@ pub fn write_glb(
     }));
     let bones = file.skeleton(avatar, recording, world);
     file.skin(avatar, &morphs, &bones);
+    for (body, node) in avatar.bodies.iter().zip(&bones[avatar.bones()..]) {
+        file.body(body, *node);
+    }
     for prop in &recording.props {
         file.prop(prop, world);
     }
@@ -139,6 +144,15 @@ impl Document {
             self.animate_frames(node, &frames);
         }
         bones
+    }
+
+    /// The mesh of a body, carried by its bone's `node`.
+    fn body(&mut self, body: &RigidBody, node: usize) {
+        let mesh = Mesh::collider(&body.shape, &Frame::IDENTITY, 0.0, from_srgb(BODY_COLOUR));
+        let primitive = self.primitive(&mesh.surface, from_srgb(BODY_COLOUR), 0.6);
+        let name = format!("{} surface", body.name);
+        (self.meshes).push(json!({"name": name, "primitives": [primitive]}));
+        self.child(node, json!({"name": name, "mesh": self.meshes.len() - 1}));
     }
 
     /// A rigid mesh; it is animated only if it moves.

@@ -138,8 +138,8 @@ fn of_part<'a, T: Copy>(part: &'a DrawnPart, values: &'a [T]) -> impl Iterator<I
 /// The skin as one part.
 fn whole_skin(avatar: &Avatar) -> DrawnPart {
     DrawnPart {
-        vertices: (0..avatar.skin.len() as u32).collect(),
-        triangles: avatar.triangles.clone(),
+        vertices: (0..avatar.body_vertices(0).start as u32).collect(),
+        triangles: avatar.skin_triangles().to_vec(),
         ..DrawnPart::default()
     }
 }

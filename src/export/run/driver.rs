@@ -4,7 +4,7 @@ use super::motion_driver::MotionDriver;
 use crate::collider::Collider;
 use crate::load::Scene;
 use crate::load::motion::Playback;
-use crate::load::scene::{Motion, SceneCollider, Target};
+use crate::load::scene::{Motion, SceneBody, SceneCollider, Target};
 use crate::math::rotation_exp;
 use crate::model::{Avatar, Frame};
 use crate::motion::BoneMap;
@@ -21,6 +21,8 @@ pub struct Driver {
     pins: Vec<(usize, Motion)>,
     targets: Vec<(usize, Target)>,
     colliders: Vec<SceneCollider>,
+    bodies: Vec<SceneBody>,
+    time_step: f64,
 }
 
 impl Driver {
@@ -30,10 +32,16 @@ impl Driver {
     /// [`Error::Invalid`] naming the bone that is not there and those that are; what opening the motion
     /// says.
     pub fn new(scene: &Scene, avatar: &Avatar) -> Result<Self> {
-        let skeleton = &avatar.skeleton;
+        let there = avatar.bodies.iter().map(|b| &b.name);
+        if !there.eq(scene.bodies.iter().map(|b| &b.name)) {
+            let problem = "the avatar has others; give it the scene's by Scene::dress";
+            return Err(Error::invalid("bodies", problem));
+        }
+        let all = &avatar.skeleton;
+        let skeleton = &avatar.character();
         let find = |name: &str, field: String| {
-            skeleton.find(name).ok_or_else(|| {
-                let bones = skeleton.names.join(", ");
+            all.find(name).ok_or_else(|| {
+                let bones = all.names.join(", ");
                 Error::invalid(
                     field,
                     format!("no bone is called {name:?}; there are {bones}"),
@@ -43,7 +51,10 @@ impl Driver {
         let radians = |degrees: DVec3| rotation_exp(degrees * std::f64::consts::PI / 180.0);
         let mut local = vec![DMat3::IDENTITY; skeleton.len()];
         for (i, pose) in scene.pose.iter().enumerate() {
-            local[find(&pose.bone, format!("pose[{i}].bone"))?] = radians(pose.rotation_degrees);
+            let field = format!("pose[{i}].bone");
+            let bone = find(&pose.bone, field.clone())?;
+            *(local.get_mut(bone)).ok_or_else(|| Error::invalid(field, "names a body"))? =
+                radians(pose.rotation_degrees);
         }
         let up = (-scene.gravity).normalize_or(DVec3::Z);
         let motion = scene.motion.as_ref();
@@ -80,6 +91,7 @@ impl Driver {
             )?),
             None => None,
         };
+        start.extend(scene.bodies.iter().map(SceneBody::place));
         Ok(Self {
             gravity: scene.gravity,
             start,
@@ -87,13 +99,19 @@ impl Driver {
             pins,
             targets,
             colliders: scene.colliders.clone(),
+            bodies: scene.bodies.clone(),
+            time_step: scene.settings.time_step,
         })
     }
 
-    /// Puts `instance` where the scene starts, at rest.
+    /// Puts `instance` where the scene starts, at rest but for its bodies.
     pub fn start(&self, avatar: &Avatar, instance: &mut Instance) {
         instance.pose(&self.start, &avatar.skeleton.parents);
         instance.gravity = self.gravity;
+        for (i, body) in self.bodies.iter().enumerate() {
+            let (frame, h) = (avatar.body_frame(i), self.time_step);
+            instance.throw(frame, self.start[frame], body.velocity, body.spin(), h);
+        }
         let pin = |(bone, motion): &(usize, Motion)| Pin {
             bone: *bone,
             frame: self.driven(*bone, motion, 0.0),
@@ -114,7 +132,8 @@ impl Driver {
             friction: c.friction,
             ..Collider::new(c.shape, c.motion.at(0.0))
         };
-        instance.colliders = self.colliders.iter().map(collider).collect();
+        instance.colliders = avatar.body_colliders().collect();
+        (instance.colliders).extend(self.colliders.iter().map(collider));
     }
 
     /// Which of the motion's bones drives which of the avatar's, if there is a motion.
@@ -137,6 +156,7 @@ impl Driver {
         for (collider, frame) in instance
             .colliders
             .iter_mut()
+            .skip(self.bodies.len())
             .zip(self.collider_frames(time))
         {
             collider.frame = frame;

@@ -1,5 +1,6 @@
 //! What is measured in a run.
 
+use crate::collider::Collider;
 use crate::export::report::{Breakdown, Median, Report, Spread, percentile};
 use crate::export::skin_displacement;
 use crate::load::Scene;
@@ -60,7 +61,9 @@ impl<'a> Measures<'a> {
         let r = &mut self.report;
         r.max_unposed_displacement_mm = r.max_unposed_displacement_mm.max(longest);
         r.max_joint_gap_mm = r.max_joint_gap_mm.max(this.max_joint_gap * MM);
-        r.max_penetration_mm = r.max_penetration_mm.max(penetration(instance, skin) * MM);
+        r.max_penetration_mm = r
+            .max_penetration_mm
+            .max(penetration(self.avatar, instance, skin) * MM);
         let det = min_det_f(&self.avatar.layer, &instance.state);
         r.min_det_f = if det < r.min_det_f || det.is_nan() {
             det
@@ -137,12 +140,17 @@ fn longest(vectors: impl Iterator<Item = DVec3>) -> f64 {
     vectors.map(DVec3::length).fold(0.0, f64::max)
 }
 
-/// Deepest place of the skin inside a collider, m.
-fn penetration(instance: &Instance, skin: &[DVec3]) -> f64 {
-    let colliders = instance.colliders.iter();
-    colliders
-        .flat_map(|c| skin.iter().map(|x| -c.signed_distance(*x).distance))
-        .fold(0.0, f64::max)
+/// Deepest place of the skin, and of bodies, inside a collider that is not their own, m.
+fn penetration(avatar: &Avatar, instance: &Instance, skin: &[DVec3]) -> f64 {
+    let deepest = |collider: &Collider| {
+        let there = collider.carried(&instance.state.frames);
+        let own =
+            |v: usize| avatar.skin.skinning.row(v).first().map(|w| w.bone) == collider.carrier;
+        let met = skin.iter().enumerate().filter(|(v, _)| !own(*v));
+        met.map(|(_, x)| -there.signed_distance(*x).distance)
+            .fold(0.0, f64::max)
+    };
+    instance.colliders.iter().map(deepest).fold(0.0, f64::max)
 }
 
 /// Σ w Ψ(F) over the cubature points, J.

@@ -46,6 +46,8 @@ pub struct Snapshot {
     pub displacement: Vec<DVec3>,
     /// A frame for each collider.
     pub colliders: Vec<Frame>,
+    /// A frame for each body.
+    pub bodies: Vec<Frame>,
 }
 
 /// Plays `scene` with one instance; `progress` is called with the number of steps made.
@@ -90,6 +92,7 @@ pub fn run_scene<P: Potential>(
                     skin: skin.clone(),
                     displacement: measures.displacement().to_vec(),
                     colliders: driver.collider_frames(time).collect(),
+                    bodies: instance.state.frames[avatar.bones()..].to_vec(),
                 });
             }
         }

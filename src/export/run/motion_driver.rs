@@ -81,7 +81,8 @@ impl MotionDriver {
         let mut frames = self.playback.frames(time)?;
         if time < self.options.ease_in {
             let u = time / self.options.ease_in;
-            frames = blend(&self.skeleton, start, &frames, u * u * (3.0 - 2.0 * u));
+            let own = &start[..self.skeleton.len()];
+            frames = blend(&self.skeleton, own, &frames, u * u * (3.0 - 2.0 * u));
         }
         if let (Some(root), RootTracking::Hold) = (self.root, self.options.root) {
             frames[root].position = start[root].position;

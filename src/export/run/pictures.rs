@@ -1,6 +1,7 @@
 //! The picture strip of a run.
 
 use super::{COLLIDER_COLOUR, HALF_SPACE_EXTENT, Snapshot};
+use crate::export::colour::BODY_COLOUR;
 use crate::export::{
     Camera, ColourScale, Image, Legend, Mesh, Panel, Plane, Strip, View, from_srgb, render,
 };
@@ -134,7 +135,7 @@ fn skin_mesh(
 ) -> Mesh {
     let surface = Surface {
         positions,
-        triangles: avatar.triangles.clone(),
+        triangles: avatar.skin_triangles().to_vec(),
     };
     let displacement = snapshot.displacement.iter().map(|d| 1e3 * d.length());
     Mesh::coloured(surface, scale.colours(displacement))
@@ -146,6 +147,15 @@ fn meshes(scene: &Scene, avatar: &Avatar, snapshot: &Snapshot, scale: &ColourSca
         Some(_) => skin.opened(from_srgb(FLESH)),
         None => skin,
     }];
+    for (body, frame) in avatar.bodies.iter().zip(&snapshot.bodies) {
+        let colour = from_srgb(BODY_COLOUR);
+        meshes.push(Mesh::collider(
+            &body.shape,
+            frame,
+            HALF_SPACE_EXTENT,
+            colour,
+        ));
+    }
     if !snapshot.panel.colliders {
         return meshes;
     }

@@ -2,15 +2,18 @@
 //!
 //! Every key that a scene does not know is an error, and so is every number that is not finite.
 
+mod body;
 mod motion;
 mod read;
 
+pub use body::SceneBody;
 pub use motion::Motion;
 pub(super) use read::{of_file, parse_toml};
 pub use read::{parse_scene, read_scene};
 
 use super::AvatarSource;
 use super::motion::TrackedMotion;
+use crate::Result;
 use crate::collider::Shape;
 use crate::material::Material;
 use crate::model::Avatar;
@@ -56,6 +59,9 @@ pub struct Scene {
     /// What the skin touches.
     #[serde(default)]
     pub colliders: Vec<SceneCollider>,
+    /// Rigid bodies that move freely: they fall, rest on colliders, and push the skin as it pushes them.
+    #[serde(default)]
+    pub bodies: Vec<SceneBody>,
     /// When is measured.
     #[serde(default)]
     pub measure: Measure,
@@ -261,10 +267,19 @@ impl Scene {
         self.steps as f64 * self.settings.time_step
     }
 
-    /// Gives `avatar` the tissue that the scene asks for in place of the baked one.
-    pub fn dress(&self, avatar: &mut Avatar) {
+    /// Gives `avatar` what the scene has in place of the baked: its tissue, and its bodies in addition.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] of a body; see [`Avatar::add_body`].
+    pub fn dress(&self, avatar: &mut Avatar) -> Result<()> {
         avatar.material = self.material.unwrap_or(avatar.material);
         avatar.damping_time = self.damping_time.unwrap_or(avatar.damping_time);
+        (self.bodies.iter()).try_for_each(|body| avatar.add_body(body.rigid_body()?))
+    }
+
+    /// Number of colliders that the skin may meet, those of bodies among them.
+    pub fn collider_count(&self) -> usize {
+        self.colliders.len() + self.bodies.len()
     }
 
     /// The step whose end is nearest to `time`, from 1 to the number of steps.

@@ -162,6 +162,23 @@ impl Scene {
                 "must be 0 to 10 (no unit)",
             )?;
         }
+        for (i, body) in self.bodies.iter().enumerate() {
+            let of_body = |e: Error| match e {
+                Error::Invalid { field, problem } => {
+                    let (_, key) = field.split_once('.').unwrap_or(("", &field));
+                    Error::invalid(format!("bodies[{i}].{key}"), problem)
+                }
+                other => other,
+            };
+            let mass = body.mass.unwrap_or(1.0);
+            check(
+                mass > 0.0,
+                format!("bodies[{i}].mass"),
+                "must be positive (kg)",
+            )?;
+            let solid = body.rigid_body().map_err(of_body)?;
+            solid.collider(0).validate().map_err(of_body)?;
+        }
         let within = |time: f64| (0.0..=self.duration() * (1.0 + 1e-9)).contains(&time);
         let times = [
             ("settled", self.measure.settled),
