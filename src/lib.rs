@@ -35,7 +35,7 @@
 //! | 1 | [`model`], [`material`], [`collider`] | what an avatar is, what it is made of, what it touches |
 //! | 2 | [`potential`] | the interface between Newton and the two evaluations of the energy |
 //! | 3 | [`reference`](mod@reference), `stage`, [`skeleton`], [`motion`] | the f64 evaluation, the WGSL evaluation, the bones' own energies, recorded motion on a skeleton |
-//! | 4 | [`load`], [`sample`], [`bake`], [`sim`] | files in, generated models, offline precomputation, the step |
+//! | 4 | [`load`], [`sample`], [`bake`], [`sim`], [`subspace`] | files in, generated models, offline precomputation, the step, other bases for comparison |
 //! | 5 | [`export`] | pictures, GLB, reports out |
 //! | 6 | `figures`, `cli` | the gallery of figures, the command |
 //!
@@ -67,6 +67,7 @@ pub mod sim;
 pub mod skeleton;
 #[cfg(feature = "gpu")]
 pub mod stage;
+pub mod subspace;
 
 pub use error::{Error, GpuError, Result};
 pub use glam;

@@ -1,41 +1,21 @@
 //! Skin weights and pose blend shapes in the interior: harmonic extension from the skin.
 
 use super::biharmonic::scatter;
+use super::held_nodes::{HeldNodes, Role};
 use super::points::largest_weights;
 use crate::math::{Rows, SparseFactor, SparseSymmetric};
 use crate::model::{PoseBlend, SkinWeight, TetMesh};
 use crate::{Error, Result};
-use std::collections::BTreeMap;
 
-/// Where a skin vertex is held in a mesh that does not meet the skin: the energy
-/// ½ ∫ |∇u|² + ½ ∫_skin (u − u_skin)²/ℓ with ℓ this share of the mean edge.
-const SOFT_LENGTH: f64 = 0.01;
-
-/// The Laplace problem of a layer, factored once.
-///
-/// Nodes that are skin vertices and nodes on bones are held exactly; skin vertices embedded in a
-/// tet hold it softly, each with its area. Where a node is both, the bone holds it.
+/// The Laplace problem of a layer, factored once: what [`HeldNodes`] hold is given.
 #[derive(Debug)]
 pub struct InteriorField<'a> {
     bone_of_node: &'a [Option<u32>],
     embedding: &'a Rows<(u32, f64)>,
-    /// What each node is.
-    role: Vec<Role>,
+    held: HeldNodes,
     /// Stiffness between a free and a held node: (column, node, value).
     coupling: Vec<(u32, u32, f64)>,
-    /// Skin vertices that hold softly: (vertex, area/ℓ).
-    soft: Vec<(u32, f64)>,
-    /// Skin vertices at each node that is one.
-    vertices_of_node: BTreeMap<u32, Vec<u32>>,
     factor: SparseFactor,
-}
-
-/// What holds a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Role {
-    Free(u32),
-    Skin,
-    Bone(u32),
 }
 
 impl<'a> InteriorField<'a> {
@@ -49,28 +29,8 @@ impl<'a> InteriorField<'a> {
         embedding: &'a Rows<(u32, f64)>,
         skin_areas: &[f64],
     ) -> Result<Self> {
-        let mut vertices_of_node = BTreeMap::<u32, Vec<u32>>::new();
-        let mut soft = Vec::new();
-        let length = SOFT_LENGTH * mean_edge(mesh);
-        for (v, row) in embedding.iter().enumerate() {
-            match *row {
-                [] => {}
-                [(node, _)] => vertices_of_node.entry(node).or_default().push(v as u32),
-                _ => soft.push((v as u32, skin_areas[v] / length)),
-            }
-        }
-        let mut free = 0;
-        let role: Vec<Role> = (bone_of_node.iter().enumerate())
-            .map(|(n, bone)| match bone {
-                Some(bone) => Role::Bone(*bone),
-                None if vertices_of_node.contains_key(&(n as u32)) => Role::Skin,
-                None => {
-                    free += 1;
-                    Role::Free(free - 1)
-                }
-            })
-            .collect();
-
+        let held = HeldNodes::new(mesh, bone_of_node, embedding, skin_areas);
+        let role = &held.role;
         let mut entries = Vec::new();
         let mut coupling = Vec::new();
         let mut add = |i: u32, j: u32, value: f64| match (role[i as usize], role[j as usize]) {
@@ -86,21 +46,19 @@ impl<'a> InteriorField<'a> {
                 }
             }
         }
-        for &(vertex, stiffness) in &soft {
+        for &(vertex, stiffness) in &held.soft {
             for &(i, share_i) in embedding.row(vertex as usize) {
                 for &(j, share_j) in embedding.row(vertex as usize) {
                     add(i, j, stiffness * share_i * share_j);
                 }
             }
         }
-        let matrix = SparseSymmetric::from_entries(free as usize, &entries);
+        let matrix = SparseSymmetric::from_entries(held.free, &entries);
         Ok(Self {
             bone_of_node,
             embedding,
-            role,
+            held,
             coupling,
-            soft,
-            vertices_of_node,
             factor: SparseFactor::new(&matrix, "interior skin weights")?,
         })
     }
@@ -118,11 +76,8 @@ impl<'a> InteriorField<'a> {
             let mut values: Vec<f64> = (self.bone_of_node.iter())
                 .map(|bone| bone.map_or(0.0, |b| on_bone(field, b)))
                 .collect();
-            for (&node, vertices) in &self.vertices_of_node {
-                if self.role[node as usize] == Role::Skin {
-                    let sum: f64 = vertices.iter().map(|&v| on_skin(field, v)).sum();
-                    values[node as usize] = sum / vertices.len() as f64;
-                }
+            for (node, value) in self.held.skin_values(|v| on_skin(field, v)) {
+                values[node as usize] = value;
             }
             values
         };
@@ -131,11 +86,11 @@ impl<'a> InteriorField<'a> {
             for &(column, node, value) in &self.coupling {
                 b[column as usize] -= value * held[node as usize];
             }
-            for &(vertex, stiffness) in &self.soft {
+            for &(vertex, stiffness) in &self.held.soft {
                 let pull = stiffness * on_skin(field, vertex);
                 let row = self.embedding.row(vertex as usize).iter();
                 let free: Vec<(u32, f64)> = row
-                    .filter_map(|&(node, share)| match self.role[node as usize] {
+                    .filter_map(|&(node, share)| match self.held.role[node as usize] {
                         Role::Free(column) => Some((column, share)),
                         _ => None,
                     })
@@ -145,7 +100,7 @@ impl<'a> InteriorField<'a> {
         };
         self.factor.solve_each(count, load, |field, u| {
             let mut values = held(field);
-            for (value, role) in values.iter_mut().zip(&self.role) {
+            for (value, role) in values.iter_mut().zip(&self.held.role) {
                 if let Role::Free(column) = role {
                     *value = u[*column as usize];
                 }
@@ -173,7 +128,7 @@ impl<'a> InteriorField<'a> {
         };
         let on_bone = |bone: usize, owner: u32| f64::from(u8::from(owner as usize == bone));
         let fields = self.extend(bones, on_skin, on_bone, |_, u| u.to_vec());
-        let rows: Result<Vec<Vec<SkinWeight>>> = (0..self.role.len())
+        let rows: Result<Vec<Vec<SkinWeight>>> = (0..self.held.role.len())
             .map(|n| {
                 let row = (fields.iter().enumerate())
                     .filter(|(_, field)| field[n] > 0.0)
@@ -219,14 +174,6 @@ impl<'a> InteriorField<'a> {
             columns,
         }
     }
-}
-
-fn mean_edge(mesh: &TetMesh) -> f64 {
-    let edges = (0..mesh.tets.len()).map(|t| {
-        let [a, b, c, d] = mesh.corners(t);
-        [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)].map(|(p, q)| p.distance(q))
-    });
-    edges.flatten().sum::<f64>() / (6 * mesh.tets.len()).max(1) as f64
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ mod file;
 mod full_space;
 mod handle_candidates;
 mod handles;
+mod held_nodes;
 mod interior;
 mod loose_parts;
 pub mod mesh;
@@ -40,8 +41,10 @@ pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, W
 pub use file::{Baked, from_bytes, read_avatar, read_baked, to_bytes, write_avatar, write_baked};
 pub use full_space::{all_tets, full_space, without_tissue};
 pub use handles::{HandlePlace, HandleRegion, Handles};
+pub(crate) use held_nodes::{HeldNodes, Role};
 pub use interior::InteriorField;
 pub use mesher::Mesher;
+pub(crate) use points::{basis_at_tets, basis_on_skin, rows_through};
 pub use recipe::{CubatureRecipe, Recipe};
 pub use report::{AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport};
 pub use sampling::{Density, farthest_points, weighted_farthest_points};
@@ -49,4 +52,4 @@ pub use softness::Softness;
 pub use truncation::Truncation;
 
 #[cfg(test)]
-mod test_mesh;
+pub(crate) mod test_mesh;

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// Handles of each tet of `tets`: U at the centroid (the mean of its nodes) and the tet's constant
 /// ∇U = Σ U_n ∇λ_n, from `basis`, the handles (rising) of each node.
-pub(super) fn basis_at_tets(
+pub(crate) fn basis_at_tets(
     mesh: &TetMesh,
     basis: &Rows<(u32, f64)>,
     tets: &[u32],
@@ -25,7 +25,7 @@ pub(super) fn basis_at_tets(
 }
 
 /// Handles of each skin vertex: U embedded in the nodes, no gradient.
-pub(super) fn basis_on_skin(
+pub(crate) fn basis_on_skin(
     embedding: &Rows<(u32, f64)>,
     basis: &Rows<(u32, f64)>,
 ) -> Rows<BasisEntry> {
@@ -43,7 +43,7 @@ pub(super) fn basis_on_skin(
 }
 
 /// Handles of points that follow others: `shares` of `basis`.
-pub(super) fn rows_through(
+pub(crate) fn rows_through(
     shares: &Rows<(u32, f64)>,
     basis: &Rows<BasisEntry>,
 ) -> Rows<BasisEntry> {

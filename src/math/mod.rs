@@ -1,7 +1,8 @@
 //! Small dense algebra: rotations, 3×3 decompositions, 9×9 tangents, compressed rows, sparse
-//! systems.
+//! systems and their eigenpairs.
 
 mod decomposition;
+mod eigen;
 mod nearest;
 mod parallel;
 mod random;
@@ -13,6 +14,7 @@ mod tensor;
 mod winding;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
+pub use eigen::largest_eigenpairs;
 pub use nearest::NearestPoint;
 pub use parallel::{RowsMut, Split, Strided, in_pool, par_each, par_join, par_map, par_split};
 pub use random::Random;

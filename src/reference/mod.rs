@@ -30,7 +30,7 @@ mod step;
 pub use basis::{Basis, GeneralBasis};
 pub use dense_hessian::HessianForm;
 pub use incidence::Incidence;
-pub use min_det_f::min_det_f;
+pub use min_det_f::{min_det_f, min_det_f_at_nodes};
 pub use motion::Motion;
 pub use points::Points;
 
