@@ -1,5 +1,5 @@
 // F = I + H, H = Σ_h φ_h ∇U_hᵀ; P(F); C = ∂P/∂F projected to positive semi-definite (method §4).
-// With damping, lagged at the step's start: P += (β/h) Cⁿ : ΔF, C += (β/h) Cⁿ.
+// Both times the point's stiffness. With damping, lagged at the step's start: P += (β/h) Cⁿ : ΔF, C += (β/h) Cⁿ.
 // One thread a cubature point.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -10,6 +10,7 @@
 @group(0) @binding(5) var<storage, read> handles: array<Handle>;
 @group(0) @binding(6) var<storage, read_write> stress: array<mat3x3<f32>>;
 @group(0) @binding(7) var<storage, read_write> tangent: array<Tangent>;
+@group(0) @binding(8) var<storage, read> tissue: array<LocalTissue>;
 
 @compute @workgroup_size(64)
 fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -29,8 +30,9 @@ fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {
         increment += outer(phi.increment, u.gradient);
     }
 
-    var p = pk1_stress(h);
-    var c = projected_tangent(h);
+    let local = tissue[i];
+    var p = local.stiffness * pk1_stress(h, local.axes);
+    var c = scaled(projected_tangent(h, local.axes), local.stiffness);
     if (state.damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
         p += state.damping_rate * contract(start, increment);

@@ -31,6 +31,7 @@ struct Summary {
 @group(0) @binding(10) var<storage, read> contacts: array<Contact>;
 @group(0) @binding(11) var<storage, read_write> partial_energies: array<PartialEnergy>;
 @group(0) @binding(12) var<storage, read_write> summaries: array<Summary>;
+@group(0) @binding(13) var<storage, read> tissue: array<LocalTissue>;
 
 fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
     return PartialEnergy(
@@ -79,7 +80,8 @@ fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
     var out = PartialEnergy();
     out.inertia = 0.5 * mass * state.mass_rate * dot(delta, delta + 2.0 * e);
     out.gravity = -mass * dot(state.gravity, delta);
-    out.elastic = point.measure * energy_difference(h, increment);
+    let local = tissue[i];
+    out.elastic = point.measure * local.stiffness * energy_difference(h, increment, local.axes);
     if (state.damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
         out.damping = 0.5 * point.measure * state.damping_rate

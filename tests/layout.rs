@@ -9,7 +9,13 @@ use supple::stage::shared::SHARED_STRUCTS;
 use supple::stage::{Sources, modules};
 
 /// Structs that no buffer holds: they live in registers only.
-const LOCAL_STRUCTS: &[&str] = &["Eigen", "SingularValues", "SignedDistance"];
+const LOCAL_STRUCTS: &[&str] = &[
+    "Eigen",
+    "SingularValues",
+    "SignedDistance",
+    "Fibres",
+    "Matrix9",
+];
 
 #[test]
 fn shared_structs_lie_where_the_kernels_expect_them() {

@@ -1,56 +1,21 @@
-// Ψ = μ/2 (I_C − 3) − μ (J − 1) + (λ + μ)/2 (J − 1)²  (Smith et al. 2018, reparametrised so that ν
-// holds). F = I + H, and everything is written in H, because near rest F − cof F and J − 1 cancel.
-// constants.material = (μ, λ, ·, ·).
+// The ground substance alone (shared/neo_hookean.wgsl): isotropic, so that no axes matter.
 
-// J − 1 = tr H + tr cof H + det H
-fn volume_change(h: mat3x3<f32>) -> f32 {
-    return trace(h) + trace(cofactor(h)) + det(h);
+fn pk1_stress(h: mat3x3<f32>, axes: mat3x3<f32>) -> mat3x3<f32> {
+    return neo_hookean_stress(h);
 }
 
-// F − cof F = H + Hᵀ − tr H I − cof H
-fn shear_stress(h: mat3x3<f32>) -> mat3x3<f32> {
-    return h + transpose(h) - trace(h) * identity() - cofactor(h);
+fn energy_difference(h: mat3x3<f32>, d: mat3x3<f32>, axes: mat3x3<f32>) -> f32 {
+    return neo_hookean_energy_difference(h, d);
 }
 
-// P = μ (F − cof F) + (λ + μ)(J − 1) cof F
-fn pk1_stress(h: mat3x3<f32>) -> mat3x3<f32> {
-    let mu = constants.material.x;
-    let lambda = constants.material.y;
-    return mu * shear_stress(h)
-        + ((lambda + mu) * volume_change(h)) * cofactor(identity() + h);
-}
-
-// Ψ(F + D) − Ψ(F) with s = F : cof D + det D and ΔJ = cof F : D + s:
-// μ ((F − cof F) : D + ½ D : D − s) + (λ + μ)/2 ΔJ (2 (J − 1) + ΔJ)
-fn energy_difference(h: mat3x3<f32>, d: mat3x3<f32>) -> f32 {
-    let mu = constants.material.x;
-    let lambda = constants.material.y;
-    let f = identity() + h;
-    let s = double_dot(f, cofactor(d)) + det(d);
-    let dj = double_dot(cofactor(f), d) + s;
-    let shear = double_dot(shear_stress(h), d) + 0.5 * double_dot(d, d) - s;
-    return mu * shear + 0.5 * (lambda + mu) * dj * (2.0 * volume_change(h) + dj);
-}
-
-// C = ∂P/∂F = μ I₉ + (λ + μ) cof F ⊗ cof F + p ∂cof F/∂F, p = (λ + μ)(J − 1) − μ, less its negative
-// eigenvalues. In the frame of F = U diag(σ) Vᵀ (Smith et al. 2018, §4.5) the twists
+// C less its negative eigenvalues. In the frame of F = U diag(σ) Vᵀ (Smith et al. 2018, §4.5) the twists
 // U (e_i e_jᵀ − e_j e_iᵀ) Vᵀ/√2 have μ + p σ_k, the flips (with +) μ − p σ_k, and the scalings
 // U diag(a) Vᵀ are the eigenvectors a of μ I + (λ + μ) s sᵀ + p offdiag(σ), s_i = σ_j σ_k.
-fn projected_tangent(h: mat3x3<f32>) -> Tangent {
-    let mu = constants.material.x;
-    let kappa = constants.material.y + mu;
-    let f = identity() + h;
-    let p = kappa * volume_change(h) - mu;
-    let a = cofactor(f);
-    // Column k of cof F is F_i × F_j, (i, j, k) cyclic.
-    var c = Tangent(
-        mu * identity() + kappa * outer(a[0], a[0]),
-        kappa * outer(a[1], a[0]) + p * skew(f[2]),
-        mu * identity() + kappa * outer(a[1], a[1]),
-        kappa * outer(a[2], a[0]) - p * skew(f[1]),
-        kappa * outer(a[2], a[1]) + p * skew(f[0]),
-        mu * identity() + kappa * outer(a[2], a[2]),
-    );
+fn projected_tangent(h: mat3x3<f32>, axes: mat3x3<f32>) -> Tangent {
+    let mu = constants.material[0].x;
+    let kappa = constants.material[0].y + mu;
+    let p = neo_hookean_pressure(h);
+    var c = neo_hookean_tangent(h);
     let svd = singular_values(h);
     for (var k = 0u; k < 3u; k++) {
         let i = (k + 1u) % 3u;

@@ -50,6 +50,11 @@ fn contract(c: Tangent, a: mat3x3<f32>) -> mat3x3<f32> {
     );
 }
 
+// s C
+fn scaled(c: Tangent, s: f32) -> Tangent {
+    return Tangent(s * c.c00, s * c.c10, s * c.c11, s * c.c20, s * c.c21, s * c.c22);
+}
+
 // C + s D
 fn add_scaled(c: Tangent, s: f32, d: Tangent) -> Tangent {
     return Tangent(

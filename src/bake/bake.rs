@@ -145,6 +145,7 @@ pub fn bake(
         attached,
         drawn: body.drawn.clone(),
         material,
+        tissue: Vec::new(),
         density: recipe.density,
         damping_time: recipe.damping_time,
         captured_under_gravity: recipe.captured_under_gravity,
@@ -155,6 +156,7 @@ pub fn bake(
             skinning: node_skinning,
             basis,
             skin_embedding: layer.skin_embedding.clone(),
+            tissue: Vec::new(),
         },
         bodies: Vec::new(),
     };

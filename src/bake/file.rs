@@ -17,7 +17,7 @@ use std::path::Path;
 
 const MAGIC: [u8; 8] = *b"SUPPLE\r\n";
 /// Raised when the payload's layout changes; files of other versions are refused.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER: usize = 24;
 /// A larger file is not read: 1 GiB, a hundred times a detailed body.
 const MOST_BYTES: u64 = 1 << 30;

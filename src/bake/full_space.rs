@@ -16,6 +16,7 @@ pub fn all_tets(avatar: &Avatar) -> Result<Avatar> {
     Ok(Avatar {
         name: format!("{}, all tets", avatar.name),
         cubature: whole_layer(avatar, &avatar.layer.basis)?,
+        tissue: avatar.layer.tissue.clone(),
         ..avatar.clone()
     })
 }
@@ -54,6 +55,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         attached: avatar.attached.clone(),
         drawn: avatar.drawn.clone(),
         material: avatar.material,
+        tissue: layer.tissue.clone(),
         density: avatar.density,
         damping_time: avatar.damping_time,
         captured_under_gravity: avatar.captured_under_gravity,

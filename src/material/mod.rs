@@ -1,8 +1,15 @@
-//! What tissue is made of: one file a material with Ψ, P = ∂Ψ/∂F and ∂P/∂F in f64, and the name of
-//! its kernel.
+//! What tissue is made of: one file a material with Ψ, P = ∂Ψ/∂F and ∂P/∂F in f64, and the names of
+//! its kernels.
+//!
+//! [`Material`] answers in the material's own axes; [`Tissue`] is a material at a point of a body, with the stiffness and
+//! the axes that it has there ([`LocalTissue`]).
 
+mod local;
+mod orthotropic;
 mod stable_neo_hookean;
 
+pub use local::{LocalTissue, Tissue};
+pub use orthotropic::Orthotropic;
 pub use stable_neo_hookean::StableNeoHookean;
 
 use crate::Result;
@@ -10,10 +17,16 @@ use crate::math::Mat9;
 use glam::DMat3;
 use serde::{Deserialize, Serialize};
 
+/// Numbers that a material's kernel reads.
+pub const PARAMETERS: usize = 12;
+
 /// What a hyperelastic material answers at one deformation gradient F.
 pub trait Hyperelastic {
     /// Checks the parameters; an error names the one at fault.
     fn validate(&self) -> Result<()>;
+
+    /// Whether Ψ(F G) = Ψ(F) for all rotations G: then no axes are looked at.
+    fn is_isotropic(&self) -> bool;
 
     /// Ψ(F), Pa; 0 at rest.
     fn energy_density(&self, deformation_gradient: DMat3) -> f64;
@@ -31,10 +44,10 @@ pub trait Hyperelastic {
     fn projected_tangent(&self, deformation_gradient: DMat3) -> Mat9;
 
     /// What the kernel reads, in the order it names them.
-    fn parameters(&self) -> [f64; 4];
+    fn parameters(&self) -> [f64; PARAMETERS];
 
-    /// File of the kernel under `kernels/`.
-    fn kernel(&self) -> &'static str;
+    /// Files of the kernel under `kernels/`, in order.
+    fn kernels(&self) -> &'static [&'static str];
 }
 
 /// A hyperelastic energy density of the deformation gradient. A new material is one file, its
@@ -44,6 +57,8 @@ pub trait Hyperelastic {
 pub enum Material {
     /// Smith et al. 2018.
     StableNeoHookean(StableNeoHookean),
+    /// That, with fibres and Fung's saturation.
+    Orthotropic(Orthotropic),
 }
 
 impl std::fmt::Display for Material {
@@ -54,6 +69,15 @@ impl std::fmt::Display for Material {
                 "stable neo-Hookean, E = {} Pa, ν = {}",
                 m.youngs_modulus, m.poissons_ratio
             ),
+            Self::Orthotropic(m) => {
+                let [normal, along, around] = m.fibre_moduli;
+                write!(
+                    f,
+                    "orthotropic, E = {} Pa, ν = {}, fibres {normal} Pa across, {along} along and {around} around, \
+                     saturation {} Pa up to Q = {}",
+                    m.youngs_modulus, m.poissons_ratio, m.saturation, m.saturation_limit
+                )
+            }
         }
     }
 }
@@ -61,16 +85,33 @@ impl std::fmt::Display for Material {
 impl Material {
     /// One of each material with tissue-like parameters: what loops over all materials loops over.
     pub fn examples() -> Vec<Self> {
-        vec![Self::StableNeoHookean(StableNeoHookean {
-            youngs_modulus: 3e4,
-            poissons_ratio: 0.45,
-        })]
+        vec![
+            Self::StableNeoHookean(StableNeoHookean {
+                youngs_modulus: 3e4,
+                poissons_ratio: 0.45,
+            }),
+            Self::Orthotropic(Orthotropic::default()),
+        ]
     }
 
     fn model(&self) -> &dyn Hyperelastic {
         match self {
             Self::StableNeoHookean(model) => model,
+            Self::Orthotropic(model) => model,
         }
+    }
+
+    /// The material where the tissue is `local`.
+    pub fn at(&self, local: LocalTissue) -> Tissue<'_> {
+        Tissue {
+            material: self,
+            local,
+        }
+    }
+
+    /// Whether Ψ(F G) = Ψ(F) for all rotations G: then no axes are looked at.
+    pub fn is_isotropic(&self) -> bool {
+        self.model().is_isotropic()
     }
 
     /// Checks the parameters; an error names the one at fault.
@@ -104,13 +145,13 @@ impl Material {
     }
 
     /// What the kernel reads, in the order it names them.
-    pub fn parameters(&self) -> [f64; 4] {
+    pub fn parameters(&self) -> [f64; PARAMETERS] {
         self.model().parameters()
     }
 
-    /// File of the kernel under `kernels/`.
-    pub fn kernel(&self) -> &'static str {
-        self.model().kernel()
+    /// Files of the kernel under `kernels/`, in order.
+    pub fn kernels(&self) -> &'static [&'static str] {
+        self.model().kernels()
     }
 }
 

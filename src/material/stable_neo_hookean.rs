@@ -12,7 +12,7 @@
 //! and with λ + μ for their λ, so that the linearisation at rest is isotropic elasticity of the Lamé
 //! parameters μ = E/(2(1 + ν)), λ = Eν/((1 + ν)(1 − 2ν)). It is finite for inverted elements.
 
-use super::Hyperelastic;
+use super::{Hyperelastic, PARAMETERS};
 use crate::math::{
     Mat9, SingularValues, cofactor, double_dot, flatten, singular_values, skew, symmetric_eigen,
 };
@@ -73,6 +73,10 @@ impl Hyperelastic for StableNeoHookean {
             ));
         }
         Ok(())
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
     }
 
     fn energy_density(&self, f: DMat3) -> f64 {
@@ -172,13 +176,18 @@ impl Hyperelastic for StableNeoHookean {
         c
     }
 
-    fn parameters(&self) -> [f64; 4] {
+    fn parameters(&self) -> [f64; PARAMETERS] {
         let (mu, lambda) = self.lame();
-        [mu, lambda, 0.0, 0.0]
+        let mut out = [0.0; PARAMETERS];
+        out[..2].copy_from_slice(&[mu, lambda]);
+        out
     }
 
-    fn kernel(&self) -> &'static str {
-        "material/stable_neo_hookean.wgsl"
+    fn kernels(&self) -> &'static [&'static str] {
+        &[
+            "shared/neo_hookean.wgsl",
+            "material/stable_neo_hookean.wgsl",
+        ]
     }
 }
 

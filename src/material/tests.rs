@@ -215,7 +215,7 @@ fn unusable_parameters_are_refused_by_name() {
     }
     for material in Material::examples() {
         material.validate().unwrap();
-        assert!(material.kernel().ends_with(".wgsl"));
+        assert!(material.kernels().iter().all(|k| k.ends_with(".wgsl")));
     }
 }
 

@@ -39,3 +39,14 @@ pub fn contract(c: &Mat9, d: DMat3) -> DMat3 {
         (0..9).map(|j| c[i][j] * d[j]).sum()
     }))
 }
+
+/// (G ⊗ G) C (G ⊗ G)ᵀ: the map that takes G A Gᵀ to G (C : A) Gᵀ.
+pub fn turned(c: &Mat9, g: DMat3) -> Mat9 {
+    let turn_rows =
+        |m: &Mat9| -> Mat9 { m.map(|row| flatten(g * unflatten(&row) * g.transpose())) };
+    transposed(&turn_rows(&transposed(&turn_rows(c))))
+}
+
+fn transposed(m: &Mat9) -> Mat9 {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
+}

@@ -3,7 +3,7 @@
 use super::{
     BoneMass, DrawnPart, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh,
 };
-use crate::material::Material;
+use crate::material::{LocalTissue, Material, Tissue};
 use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -24,6 +24,8 @@ pub struct SoftLayer {
     pub basis: Rows<(u32, f64)>,
     /// Nodes (index, share) of each skin vertex; one node where the mesh meets the skin.
     pub skin_embedding: Rows<(u32, f64)>,
+    /// Stiffness and axes of each tet; none where they are the same everywhere.
+    pub tissue: Vec<LocalTissue>,
 }
 
 /// A baked avatar, constant while it is simulated. What changes is [`State`].
@@ -50,6 +52,8 @@ pub struct Avatar {
     pub drawn: Vec<DrawnPart>,
     /// What the tissue is made of.
     pub material: Material,
+    /// Stiffness and axes of the material at each cubature point; none where they are the same everywhere.
+    pub tissue: Vec<LocalTissue>,
     /// Density of the tissue, kg/m³.
     pub density: f64,
     /// Stiffness-proportional damping β, s.
@@ -83,6 +87,12 @@ impl Avatar {
             frames,
             handles: vec![DVec3::ZERO; self.handles.len()],
         }
+    }
+
+    /// The material at cubature point `i`.
+    pub fn tissue_at(&self, i: usize) -> Tissue<'_> {
+        let local = self.tissue.get(i).copied().unwrap_or_default();
+        self.material.at(local)
     }
 
     /// Number of skin vertices that bound tissue; attached ones come after them, and bodies' last.
@@ -160,6 +170,17 @@ impl Avatar {
             "skin.measure",
             "areas must not be negative",
         )?;
+        for (tissue, count, field) in [
+            (&self.tissue, self.cubature.len(), "tissue"),
+            (&layer.tissue, tets, "layer.tissue"),
+        ] {
+            check(
+                (tissue.is_empty() || tissue.len() == count)
+                    && tissue.iter().all(LocalTissue::is_valid),
+                field,
+                "a positive stiffness and a unit quaternion are needed for each point, or nothing at all",
+            )?;
+        }
         check(
             self.density > 0.0 && self.density.is_finite(),
             "density",

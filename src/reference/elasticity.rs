@@ -7,7 +7,7 @@
 //! with C⁺ the tangent projected to positive semi-definite and Cⁿ = C⁺(Fⁿ).
 
 use super::Basis;
-use crate::material::Material;
+use crate::material::Tissue;
 use crate::math::{Mat9, contract};
 use glam::{DMat3, DVec3};
 
@@ -32,11 +32,11 @@ pub struct Damping<'a> {
 
 /// P, Pa, with the damping's part.
 pub fn stress(
-    material: &Material,
+    tissue: Tissue<'_>,
     deformation_gradient: DMat3,
     damping: Option<Damping<'_>>,
 ) -> DMat3 {
-    let elastic = material.pk1_stress(deformation_gradient);
+    let elastic = tissue.pk1_stress(deformation_gradient);
     match damping {
         Some(d) => elastic + contract(d.tangent, d.change) * d.rate,
         None => elastic,
@@ -45,12 +45,12 @@ pub fn stress(
 
 /// w C, J: the projected tangent with the damping's part, times the cubature weight.
 pub fn tangent(
-    material: &Material,
+    tissue: Tissue<'_>,
     deformation_gradient: DMat3,
     damping: Option<Damping<'_>>,
     weight: f64,
 ) -> Mat9 {
-    let mut c = material.projected_tangent(deformation_gradient);
+    let mut c = tissue.projected_tangent(deformation_gradient);
     for (row, entries) in c.iter_mut().enumerate() {
         for (column, entry) in entries.iter_mut().enumerate() {
             let damping = damping.map_or(0.0, |d| d.rate * d.tangent[row][column]);

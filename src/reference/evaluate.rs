@@ -213,7 +213,7 @@ fn evaluate_point<B: Basis>(
     tangent: &mut Mat9,
 ) -> (PointTerms, Energies) {
     let avatar = &*asset.avatar;
-    let (material, joints) = (&avatar.material, &avatar.skeleton.joints);
+    let (tissue, joints) = (avatar.tissue_at(i), &avatar.skeleton.joints);
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
     let (start, weight) = (&step.points[i], avatar.cubature.measure[i]);
     let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
@@ -234,8 +234,8 @@ fn evaluate_point<B: Basis>(
     let f_start = start.deformation_gradient;
     let f_change = elasticity::displacement_gradient(basis, changes);
     let damping = step.damping(i, f_change);
-    let stress = elasticity::stress(material, f_start + f_change, damping);
-    *tangent = elasticity::tangent(material, f_start + f_change, damping, weight);
+    let stress = elasticity::stress(tissue, f_start + f_change, damping);
+    *tangent = elasticity::tangent(tissue, f_start + f_change, damping, weight);
 
     let inertia = mass / (h * h);
     let terms = PointTerms {
@@ -249,7 +249,7 @@ fn evaluate_point<B: Basis>(
     let energies = Energies {
         inertia: energy::inertia(mass, h, d, -start.predicted),
         gravity: energy::gravity(mass, gravity, d),
-        elastic: energy::elastic(material, weight, f_start, f_change),
+        elastic: energy::elastic(tissue, weight, f_start, f_change),
         damping: damping.map_or(0.0, |d| {
             energy::damping(weight, d.rate, d.tangent, f_change, DMat3::ZERO)
         }),

@@ -128,7 +128,7 @@ impl Step {
         let points = &self.points;
         par_each(&mut self.damping_tangents, POINT_GRAIN, |i, tangent| {
             let f = points[i].deformation_gradient;
-            *tangent = asset.avatar.material.projected_tangent(f);
+            *tangent = asset.avatar.tissue_at(i).projected_tangent(f);
         });
     }
 

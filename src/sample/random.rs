@@ -1,13 +1,13 @@
 //! Seeded avatars with valid but arbitrary data: every number is random, so that tests and benches
 //! see no accidental zero or symmetry.
 
-use crate::material::{Material, StableNeoHookean};
+use crate::material::{LocalTissue, Material, StableNeoHookean};
 use crate::math::{Random, Rows};
 use crate::model::{
     Avatar, BasisEntry, BoneMass, Frame, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer,
     State, TetMesh,
 };
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 
 /// Bones of a random point, handles of a cubature point and of a skin vertex: a hand's numbers.
@@ -60,6 +60,7 @@ pub fn random_avatar(
             youngs_modulus: 3e4,
             poissons_ratio: 0.45,
         }),
+        tissue: local_tissue(seed, points),
         density: 1000.0,
         damping_time: 0.01,
         captured_under_gravity: true,
@@ -207,7 +208,19 @@ fn layer(random: &mut Random, bones: usize, handles: usize, vertices: usize) -> 
         skin_embedding: (0..vertices)
             .map(|_| [(random.index(8) as u32, 1.0)])
             .collect(),
+        tissue: local_tissue(random.index(1 << 20) as u64, 6),
     }
+}
+
+/// Stiffness and axes at so many places.
+fn local_tissue(seed: u64, count: usize) -> Vec<LocalTissue> {
+    let random = &mut Random::new(seed);
+    (0..count)
+        .map(|_| LocalTissue {
+            stiffness: random.uniform(0.5, 2.0),
+            axes: DQuat::from_mat3(&random.rotation(2.0)).normalize(),
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! Every buffer of a potential, made once, under the names that the kernels use.
 
 use super::shared::{
-    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence, Mat3,
-    Motion, PartialEnergy, PatternBlock, Point, SkinVertex, Summary, Tangent,
+    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence,
+    LocalTissue, Mat3, Motion, PartialEnergy, PatternBlock, Point, SkinVertex, Summary, Tangent,
 };
 use super::tables::{PointTable, Tables};
+use super::upload::columns;
 use super::{GpuOptions, WORKGROUP};
 use crate::gpu::{Bindings, Buffer};
 use crate::model::Avatar;
@@ -44,6 +45,7 @@ pub(super) struct Buffers {
     /// x̄ of the drawn skin.
     pub drawn_unposed: Buffer<[f32; 4]>,
     pub chunks: Buffer<[u32; 64]>,
+    pub tissue: Buffer<LocalTissue>,
     pub gradients: Buffer<HandleGradient>,
     pub gather_rows: Buffer<u32>,
     pub gather_entries: Buffer<u32>,
@@ -128,7 +130,7 @@ impl Buffers {
             point_groups: (points as u32).div_ceil(WORKGROUP),
             vertex_groups: (vertices as u32).div_ceil(WORKGROUP),
             density: avatar.density as f32,
-            material: avatar.material.parameters().map(|p| p as f32),
+            material: material_parameters(avatar),
             ..Constants::default()
         };
         let skin_constants = Constants {
@@ -175,6 +177,7 @@ impl Buffers {
             skin: point_buffers(skin, skin_constants, "skin points")?,
             drawn_unposed: zeroed!("drawn_unposed", instances * vertices),
             chunks,
+            tissue: holding!("tissue", &local_tissue(avatar)),
             gradients: holding!("handle_gradients", &cubature.gradients),
             gather_rows: holding!("gather_rows", tables.gather.offsets()),
             gather_entries: holding!("gather_entries", tables.gather.entries()),
@@ -246,6 +249,7 @@ impl Buffers {
             .with_dynamic("chunk", self.chunks.raw(), CHUNK_STRIDE)
             .with("batch", self.batch.raw())
             .with("pose_features", self.features.raw())
+            .with("tissue", self.tissue.raw())
             .with("handle_gradients", self.gradients.raw())
             .with("gather_rows", self.gather_rows.raw())
             .with("gather_entries", self.gather_entries.raw())
@@ -295,6 +299,23 @@ impl Buffers {
     pub fn over_drawn_skin(&self) -> Bindings<'_> {
         self.over_skin().with("unposed", self.drawn_unposed.raw())
     }
+}
+
+fn material_parameters(avatar: &Avatar) -> [[f32; 4]; 3] {
+    let p = avatar.material.parameters().map(|p| p as f32);
+    std::array::from_fn(|row| std::array::from_fn(|column| p[4 * row + column]))
+}
+
+fn local_tissue(avatar: &Avatar) -> Vec<LocalTissue> {
+    let local = |i: usize| {
+        let local = avatar.tissue_at(i).local;
+        LocalTissue {
+            axes: columns(glam::DMat3::from_quat(local.axes)),
+            stiffness: local.stiffness as f32,
+            ..LocalTissue::default()
+        }
+    };
+    (0..avatar.cubature.len()).map(local).collect()
 }
 
 fn check_dispatch(device: &wgpu::Device, what: &str, needed: usize) -> Result<()> {

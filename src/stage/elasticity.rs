@@ -11,6 +11,7 @@ pub(super) const INCLUDES: &[&str] = &[
     "shared/kinematics.wgsl",
     "shared/tensor.wgsl",
     "shared/decomposition.wgsl",
+    "shared/tissue.wgsl",
     MATERIAL,
     "elasticity.wgsl",
 ];

@@ -40,7 +40,7 @@ host_shareable! {
         /// Padding.
         pub _pad: [u32; 2],
         /// Parameters of the material.
-        pub material: [f32; 4],
+        pub material: [[f32; 4]; 3],
     }
 
     /// One state of a batch (kernels/shared/batch.wgsl).
@@ -89,6 +89,16 @@ host_shareable! {
         pub first_pair: u32,
         /// Padding.
         pub _pad: [u32; 2],
+    }
+
+    /// What the material has of its own at a cubature point (kernels/shared/tissue.wgsl).
+    pub struct LocalTissue {
+        /// G.
+        pub axes: Mat3,
+        /// Factor on the energy.
+        pub stiffness: f32,
+        /// Padding.
+        pub _pad: [u32; 3],
     }
 
     /// A bone's or a handle's share (kernels/shared/kinematics.wgsl).
@@ -260,6 +270,7 @@ pub const SHARED_STRUCTS: &[StructLayout<'static>] = &[
     BatchState::LAYOUT,
     Chunk::LAYOUT,
     Point::LAYOUT,
+    LocalTissue::LAYOUT,
     Influence::LAYOUT,
     HandleGradient::LAYOUT,
     Frame::LAYOUT,

@@ -22,6 +22,10 @@ const TEXTS: &[(&str, &str)] = texts![
     "shared/decomposition.wgsl",
     "shared/distance.wgsl",
     "shared/contact.wgsl",
+    "shared/tissue.wgsl",
+    "shared/neo_hookean.wgsl",
+    "shared/positive_part.wgsl",
+    "material/orthotropic.wgsl",
     "material/stable_neo_hookean.wgsl",
     "collider/half_space.wgsl",
     "collider/sphere.wgsl",
@@ -41,7 +45,7 @@ const TEXTS: &[(&str, &str)] = texts![
     "normals.wgsl",
 ];
 
-/// Stands for the file of the avatar's material in a list of includes.
+/// Stands for the files of the avatar's material in a list of includes.
 pub(super) const MATERIAL: &str = "material";
 /// Stands for the files of all shapes and the switch between them in a list of includes.
 pub(super) const SHAPES: &str = "shapes";
@@ -50,7 +54,7 @@ pub(super) const SHAPES: &str = "shapes";
 #[derive(Clone, Debug)]
 pub struct Sources {
     files: Vec<(&'static str, Cow<'static, str>)>,
-    material: &'static str,
+    material: &'static [&'static str],
 }
 
 impl Sources {
@@ -60,7 +64,7 @@ impl Sources {
             files: (TEXTS.iter())
                 .map(|&(path, text)| (path, Cow::Borrowed(text)))
                 .collect(),
-            material: material.kernel(),
+            material: material.kernels(),
         }
     }
 
@@ -98,7 +102,11 @@ impl Sources {
         let mut source = String::new();
         for &path in includes {
             match path {
-                MATERIAL => self.append(name, self.material, &mut source)?,
+                MATERIAL => {
+                    for path in self.material {
+                        self.append(name, path, &mut source)?;
+                    }
+                }
                 SHAPES => {
                     for shape in Shape::examples() {
                         self.append(name, shape.kernel(), &mut source)?;

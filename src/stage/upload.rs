@@ -8,7 +8,7 @@ use crate::model::{self, Skeleton, State, pose_feature};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 
-fn columns(m: DMat3) -> Mat3 {
+pub(super) fn columns(m: DMat3) -> Mat3 {
     let m = m.as_mat3();
     [m.x_axis, m.y_axis, m.z_axis].map(|c| c.extend(0.0).to_array())
 }

@@ -1,12 +1,12 @@
 //! The energy kernel: from the step's start, as an evaluation has it, and from any base, as a trial has it.
 
-use super::bound::{Comparison, Outcome, abs, abs_cofactor, abs_determinant, abs_trace};
+use super::bound::{Comparison, Outcome, abs};
 use super::contacts::distances;
+use super::material::Magnitudes;
 use super::points::mat9;
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, vec};
 use super::{INSTANCE, INSTANCES};
 use supple::glam::{DMat3, DVec3};
-use supple::math::double_dot;
 use supple::model::BasisEntry;
 use supple::reference::elasticity::displacement_gradient;
 use supple::reference::energy as twin;
@@ -22,20 +22,7 @@ fn abs_gradient(basis: &[BasisEntry], handles: &[DVec3]) -> DMat3 {
         .sum()
 }
 
-/// ΔΨ with all signs plus: see kernels/material/stable_neo_hookean.wgsl.
-fn abs_energy_difference(scene: &Scene, h: DMat3, d: DMat3) -> f64 {
-    let [mu, lambda, ..] = scene.avatar.material.parameters();
-    let f = DMat3::IDENTITY + h;
-    let higher = double_dot(f, abs_cofactor(d)) + abs_determinant(d);
-    let volume_difference = double_dot(abs_cofactor(f), d) + higher;
-    let volume = abs_trace(h) + abs_trace(abs_cofactor(h)) + abs_determinant(h);
-    let shear =
-        h + h.transpose() + DMat3::from_diagonal(DVec3::splat(abs_trace(h))) + abs_cofactor(h);
-    mu * (double_dot(shear, d) + 0.5 * double_dot(d, d) + higher)
-        + 0.5 * (lambda + mu) * volume_difference * (2.0 * volume + volume_difference)
-}
-
-/// Each term is a polynomial of the state of degree ≤ 6 (5 (n_h + 3) + 25 roundings, generously),
+/// Each term is a polynomial of the state of degree ≤ 6 (the roundings of [`Magnitudes`] cover the others, generously),
 /// then summed in trees: six levels over a workgroup, its partial sums over 64 lanes, six levels again.
 pub fn energy(scene: &Scene) -> Outcome {
     energies(scene, Phase::Evaluated, INSTANCE, INSTANCE)?;
@@ -44,7 +31,6 @@ pub fn energy(scene: &Scene) -> Outcome {
 
 fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
     let set = &scene.avatar.cubature;
-    let material = &scene.avatar.material;
     let slot = phase.slot();
     let from_start = base == INSTANCE;
     let (phi, change) = scene.handles(phase, slot);
@@ -60,10 +46,9 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         want[term] += value;
         magnitude[term] += size;
     };
-    let mut entries = 0;
+    let mut roundings = 0;
     for i in 0..set.len() {
         let (weight, basis) = (set.measure[i], set.basis.row(i));
-        entries = entries.max(basis.len());
         let mass = scene.avatar.density * weight;
         let delta = vec(moved[i].displacement);
         let predicted = vec(start[i].displacement);
@@ -86,10 +71,13 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         let h = displacement_gradient(basis, &phi);
         let d = displacement_gradient(basis, &change);
         let (abs_h, abs_d) = (abs_gradient(basis, &phi), abs_gradient(basis, &change));
+        let tissue = scene.avatar.tissue_at(i);
+        let magnitudes = Magnitudes::new(tissue, h, abs_h);
+        roundings = roundings.max(magnitudes.energy_roundings(basis.len()));
         add(
             2,
-            twin::elastic(material, weight, DMat3::IDENTITY + h, d),
-            weight * abs_energy_difference(scene, abs_h, abs_d),
+            twin::elastic(tissue, weight, DMat3::IDENTITY + h, d),
+            weight * magnitudes.energy_difference(h, d, abs_d),
         );
         let (mut before, mut abs_before) = (DMat3::ZERO, DMat3::ZERO);
         if !from_start {
@@ -129,7 +117,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         got.contact,
     ];
     let mut out = Comparison::default();
-    let roundings = 5 * (entries + 3) + 25 + 6 + 1 + 6;
+    let roundings = roundings + 6 + 1 + 6;
     for k in 0..5 {
         out.number(f64::from(terms[k]), want[k], magnitude[k], roundings);
         if want[k] == 0.0 {

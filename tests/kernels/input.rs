@@ -2,7 +2,7 @@
 
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
-use supple::material::{Material, StableNeoHookean};
+use supple::material::{LocalTissue, Material, Orthotropic, StableNeoHookean};
 use supple::math::{Random, Rows};
 use supple::model::{Avatar, BasisEntry, Frame, SkinWeight};
 use supple::sample::random_avatar;
@@ -15,15 +15,40 @@ fn single_vec(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
 }
 
+/// Seeds whose avatars are of each material: a hundred a material.
+pub fn seeds(count: u64) -> Vec<u64> {
+    (0..2)
+        .flat_map(|m| (1..=count).map(move |s| 100 * m + s))
+        .collect()
+}
+
+/// Compressible, so that terms of the volume do not hide those of the shape; saturating over the strains that occur.
+fn material(seed: u64) -> Material {
+    let (youngs_modulus, poissons_ratio) = (3e4, 0.1);
+    match seed / 100 {
+        0 => Material::StableNeoHookean(StableNeoHookean {
+            youngs_modulus,
+            poissons_ratio,
+        }),
+        _ => Material::Orthotropic(Orthotropic {
+            youngs_modulus,
+            poissons_ratio,
+            fibre_moduli: [5e3, 2e4, 1e4],
+            saturation: 1e4,
+            saturation_rates: [0.25, 0.5, 1.0],
+            saturation_limit: 1.5,
+        }),
+    }
+}
+
 /// A random avatar whose numbers are exact in f32, some points naming their bones in falling order.
 pub fn avatar(seed: u64) -> Avatar {
     let mut avatar = random_avatar(seed, 5, 9, 90, 150);
     avatar.damping_time = 1.0 / 64.0;
-    // Compressible, so that terms of the volume do not hide those of the shape.
-    avatar.material = Material::StableNeoHookean(StableNeoHookean {
-        youngs_modulus: 3e4,
-        poissons_ratio: 0.1,
-    });
+    avatar.material = material(seed);
+    for LocalTissue { stiffness, .. } in &mut avatar.tissue {
+        *stiffness = single(*stiffness);
+    }
     for joint in &mut avatar.skeleton.joints {
         *joint = single_vec(*joint);
     }

@@ -4,6 +4,7 @@ pub mod bound;
 pub mod contacts;
 pub mod energies;
 pub mod input;
+pub mod material;
 pub mod points;
 pub mod scene;
 pub mod sums;

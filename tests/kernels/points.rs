@@ -1,7 +1,8 @@
 //! Kernels with one thread a point: pose_blend, displacement, elasticity, skin, normals.
 
 use super::INSTANCE;
-use super::bound::{Comparison, Outcome, abs, abs_cofactor, abs_cross, abs_determinant, abs_trace};
+use super::bound::{Comparison, Outcome, abs, abs_cross};
+use super::material::Magnitudes;
 use super::scene::{Phase, Scene, TIME_STEP, mat, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::math::Mat9;
@@ -139,24 +140,20 @@ fn abs_contract(c: &Mat9, a: DMat3) -> DMat3 {
     DMat3::from_cols_array(&std::array::from_fn(row))
 }
 
-/// P is a polynomial in H of degree 5, H a sum of n_h products: on absolute values with all signs plus, its
-/// terms see at most n_h + 3 roundings in each of five factors and twenty between them.
-/// C is Lipschitz in H (the projection onto a convex cone does not expand), so that its error is that of
-/// the unprojected C and of five Jacobi sweeps (fifteen rotations of six roundings), which enter twice a mode.
+/// P and C, within [`Magnitudes`].
 pub fn elasticity(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let set = &scene.avatar.cubature;
-    let material = &scene.avatar.material;
-    let [mu, lambda, ..] = material.parameters();
     let phase = Phase::Evaluated;
     let starts: Vec<shared::Tangent> = scene.items(phase, "tangent", INSTANCE, set.len());
+    let mut clamped = 0;
     for slot in [INSTANCE, phase.slot()] {
         let (_, increment) = scene.handles(phase, slot);
         let phi = scene.displaced(phase, slot);
         let stresses: Vec<shared::Mat3> = scene.items(phase, "stress", slot, set.len());
         let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", slot, set.len());
         for i in 0..set.len() {
-            let basis = set.basis.row(i);
+            let (basis, tissue) = (set.basis.row(i), scene.avatar.tissue_at(i));
             let h = displacement_gradient(basis, &phi);
             let change = displacement_gradient(basis, &increment);
             let (_, abs_basis) = abs_rows(&[], basis);
@@ -170,38 +167,35 @@ pub fn elasticity(scene: &Scene) -> Outcome {
                 change,
             });
             let f = DMat3::IDENTITY + h;
-            let want = stress(material, f, damping);
-            let cofactors = abs_cofactor(DMat3::IDENTITY + abs_h);
-            let volume = abs_trace(abs_h) + abs_trace(abs_cofactor(abs_h)) + abs_determinant(abs_h);
-            let shear = abs_h
-                + abs_h.transpose()
-                + DMat3::from_diagonal(DVec3::splat(abs_trace(abs_h)))
-                + abs_cofactor(abs_h);
-            let mut magnitude = mu * shear + (lambda + mu) * volume * cofactors;
+            let magnitudes = Magnitudes::new(tissue, h, abs_h);
+            clamped += usize::from(magnitudes.is_clamped());
+            let want = stress(tissue, f, damping);
+            let (mut magnitude, roundings) = magnitudes.stress(basis.len());
             if damping.is_some() {
                 magnitude += rate * abs_contract(&start, abs_change);
             }
-            let entries = basis.len() + 3;
-            out.matrix(mat(stresses[i]), want, magnitude, 5 * entries + 20);
+            out.matrix(mat(stresses[i]), want, magnitude, roundings);
 
-            let want = tangent(material, f, damping, 1.0);
+            if magnitudes.is_at_the_clamp() {
+                continue;
+            }
+            let want = tangent(tissue, f, damping, 1.0);
             let got = mat9(&tangents[i]);
-            let size = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>();
-            let pressure = (lambda + mu) * volume + mu;
-            let mut magnitude = mu
-                + (lambda + mu) * size(cofactors)
-                + pressure * size(DMat3::IDENTITY + abs_h).sqrt();
+            let (mut magnitude, roundings) = magnitudes.tangent(basis.len());
             if damping.is_some() {
                 let largest = start.iter().flatten().fold(0.0, |a: f64, c| a.max(c.abs()));
                 magnitude += rate * largest;
             }
-            let roundings = 4 * entries + 20 + 4 * 15 * 6;
             for row in 0..9 {
                 for column in 0..9 {
                     out.number(got[row][column], want[row][column], magnitude, roundings);
                 }
             }
         }
+    }
+    let (least, most) = (set.len() / 5, 2 * set.len() - set.len() / 5);
+    if !scene.avatar.material.is_isotropic() && !(least..most).contains(&clamped) {
+        return Err(format!("{clamped} of {} points are clamped", 2 * set.len()));
     }
     out.finish("P and C")
 }

@@ -131,7 +131,9 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
             skin_embedding: surface.iter().map(|&n| [(n, 1.0)]).collect(),
             bone_of_node,
             mesh,
+            tissue: Vec::new(),
         },
+        tissue: Vec::new(),
     };
     avatar.validate().unwrap();
     avatar

@@ -4,7 +4,7 @@ use crate::collider::Collider;
 use crate::export::report::{Breakdown, Median, Report, Spread, percentile};
 use crate::export::skin_displacement;
 use crate::load::Scene;
-use crate::model::{Avatar, BasisEntry, State};
+use crate::model::{Avatar, State};
 use crate::reference::elasticity::displacement_gradient;
 use crate::reference::min_det_f;
 use crate::sim::{Instance, StepReport};
@@ -156,9 +156,9 @@ fn penetration(avatar: &Avatar, instance: &Instance, skin: &[DVec3]) -> f64 {
 /// Σ w Ψ(F) over the cubature points, J.
 fn elastic_energy(avatar: &Avatar, state: &State) -> f64 {
     let points = &avatar.cubature;
-    let energy = |(row, w): (&[BasisEntry], &f64)| {
-        let deformation_gradient = DMat3::IDENTITY + displacement_gradient(row, &state.handles);
-        w * avatar.material.energy_density(deformation_gradient)
+    let energy = |i: usize| {
+        let change = displacement_gradient(points.basis.row(i), &state.handles);
+        points.measure[i] * avatar.tissue_at(i).energy_density(DMat3::IDENTITY + change)
     };
-    points.basis.iter().zip(&points.measure).map(energy).sum()
+    (0..points.len()).map(energy).sum()
 }

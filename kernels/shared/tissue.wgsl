@@ -1,0 +1,6 @@
+// What the material has of its own at a cubature point.
+
+struct LocalTissue {
+    axes: mat3x3<f32>,   // G: its axes (normal to the skin, along the bone, around it) as columns
+    stiffness: f32,      // factor on the energy
+}

@@ -1,0 +1,195 @@
+//! How far f32 may be from the materials' stress, tangent and energy: their formulas on absolute values, with all
+//! signs plus, and how many roundings a term sees.
+
+use super::bound::{abs, abs_cofactor, abs_determinant, abs_trace};
+use supple::glam::{DMat3, DVec3};
+use supple::material::{Material, Orthotropic, Tissue};
+use supple::math::double_dot;
+
+fn size(m: DMat3) -> f64 {
+    m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn by_entries(a: DMat3, b: DMat3) -> DMat3 {
+    DMat3::from_cols(
+        a.x_axis * b.x_axis,
+        a.y_axis * b.y_axis,
+        a.z_axis * b.z_axis,
+    )
+}
+
+/// Magnitudes at a point from |H| and, for energies, |D|.
+pub struct Magnitudes<'a> {
+    tissue: Tissue<'a>,
+    mu: f64,
+    kappa: f64,
+    h: DMat3,
+    fibres: Option<Fibres>,
+}
+
+/// The fibres' part.
+struct Fibres {
+    axes: DMat3,
+    /// The matrices of √k_i k_j and √a_i a_j.
+    moduli: DMat3,
+    rates: DMat3,
+    saturation: f64,
+    limit: f64,
+    /// E and Q, and E with all signs plus.
+    exact: DMat3,
+    q: f64,
+    strain: DMat3,
+}
+
+impl Fibres {
+    fn new(m: &Orthotropic, tissue: &Tissue<'_>, h: DMat3, abs_h: DMat3) -> Self {
+        let axes = DMat3::from_quat(tissue.local.axes);
+        let roots = |d: [f64; 3]| {
+            let r = DVec3::from_array(d.map(f64::sqrt));
+            DMat3::from_cols(r * r.x, r * r.y, r * r.z)
+        };
+        let strain =
+            |h: DMat3, g: DMat3| g.transpose() * (h + h.transpose() + h.transpose() * h) * g * 0.5;
+        let rates = roots(m.saturation_rates);
+        let (exact, strain) = (strain(h, axes), strain(abs_h, abs(axes)));
+        Self {
+            axes: abs(axes),
+            moduli: roots(m.fibre_moduli),
+            rates,
+            saturation: m.saturation,
+            limit: m.saturation_limit,
+            exact,
+            q: double_dot(exact, by_entries(rates, exact)),
+            strain,
+        }
+    }
+
+    /// The error of Q over that of E: twice |E| : (A ∘ Ē).
+    fn q_error(&self) -> f64 {
+        2.0 * double_dot(abs(self.exact), by_entries(self.rates, self.strain))
+    }
+
+    /// c e^min(Q, Q_max); below the limit an error of Q is one of the exponential, relative to it.
+    fn slope(&self) -> f64 {
+        let error = if self.q < self.limit {
+            self.q_error()
+        } else {
+            0.0
+        };
+        self.saturation * self.q.min(self.limit).exp() * (1.0 + error)
+    }
+
+    /// W.
+    fn weights(&self) -> DMat3 {
+        self.moduli + self.rates * self.slope()
+    }
+}
+
+impl<'a> Magnitudes<'a> {
+    /// At `tissue` with H = `h`, whose terms sum to `abs_h` in absolute value.
+    pub fn new(tissue: Tissue<'a>, h: DMat3, abs_h: DMat3) -> Self {
+        let [mu, lambda, ..] = tissue.material.parameters();
+        Self {
+            tissue,
+            mu,
+            kappa: lambda + mu,
+            h: abs_h,
+            fibres: match tissue.material {
+                Material::StableNeoHookean(_) => None,
+                Material::Orthotropic(m) => Some(Fibres::new(m, &tissue, h, abs_h)),
+            },
+        }
+    }
+
+    fn volume(&self) -> f64 {
+        let h = self.h;
+        abs_trace(h) + abs_trace(abs_cofactor(h)) + abs_determinant(h)
+    }
+
+    fn shear(&self) -> DMat3 {
+        let h = self.h;
+        h + h.transpose() + DMat3::from_diagonal(DVec3::splat(abs_trace(h))) + abs_cofactor(h)
+    }
+
+    /// P. A polynomial in H of degree 5, H a sum of `handles` products: at most n_h + 3 roundings in each of five factors
+    /// and twenty between them. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
+    /// out of axes that are rounded themselves: sixty more with the exponential's own, 3 + 2 Q_max.
+    pub fn stress(&self, handles: usize) -> (DMat3, usize) {
+        let f = DMat3::IDENTITY + self.h;
+        let mut out = self.mu * self.shear() + self.kappa * self.volume() * abs_cofactor(f);
+        let mut roundings = 5 * (handles + 3) + 21;
+        if let Some(fibres) = &self.fibres {
+            let s = by_entries(fibres.weights(), fibres.strain);
+            out += f * (fibres.axes * s * fibres.axes.transpose());
+            roundings += 60;
+        }
+        (out * self.tissue.local.stiffness, roundings)
+    }
+
+    /// C. It is Lipschitz in H (the projection onto a convex cone does not expand), so that its error is that of the
+    /// unprojected C and of the Jacobi sweeps, which enter twice a mode: five sweeps of fifteen rotations of six roundings,
+    /// or for a 9×9 matrix seven sweeps, in each of which sixteen rotations touch an entry.
+    pub fn tangent(&self, handles: usize) -> (f64, usize) {
+        let f = DMat3::IDENTITY + self.h;
+        let pressure = self.kappa * self.volume() + self.mu;
+        let mut out = self.mu + self.kappa * size(abs_cofactor(f)).powi(2) + pressure * size(f);
+        let mut roundings = 4 * (handles + 3) + 21 + 4 * 15 * 6;
+        if let Some(fibres) = &self.fibres {
+            let stress = by_entries(fibres.weights(), fibres.strain);
+            let t = f * fibres.axes * by_entries(fibres.rates, fibres.strain);
+            out += 3f64.sqrt() * size(stress)
+                + size(fibres.weights()) * size(f).powi(2)
+                + 2.0 * fibres.slope() * size(t).powi(2);
+            roundings += 60 + 2 * 7 * 16 * 6;
+        }
+        (out * self.tissue.local.stiffness, roundings)
+    }
+
+    /// Whether Q is so near to its limit that f32 may see it on the other side, where C is another.
+    pub fn is_at_the_clamp(&self) -> bool {
+        let near = |f: &Fibres| (f.q - f.limit).abs() < 1e-4 * f.q_error();
+        self.fibres.as_ref().is_some_and(near)
+    }
+
+    /// Whether Q is past its limit.
+    pub fn is_clamped(&self) -> bool {
+        (self.fibres.as_ref()).is_some_and(|f| f.q > f.limit)
+    }
+
+    /// Ψ(F + D) − Ψ(F), D exactly `d` and in absolute values `abs_d`; see the kernels for the formulas.
+    pub fn energy_difference(&self, h: DMat3, d: DMat3, abs_d: DMat3) -> f64 {
+        let f = DMat3::IDENTITY + self.h;
+        let higher = double_dot(f, abs_cofactor(abs_d)) + abs_determinant(abs_d);
+        let volume_difference = double_dot(abs_cofactor(f), abs_d) + higher;
+        let mut out = self.mu
+            * (double_dot(self.shear(), abs_d) + 0.5 * double_dot(abs_d, abs_d) + higher)
+            + 0.5 * self.kappa * volume_difference * (2.0 * self.volume() + volume_difference);
+        if let Some(fibres) = &self.fibres {
+            let fd = f.transpose() * abs_d;
+            let change = fibres.axes.transpose()
+                * (fd + fd.transpose() + abs_d.transpose() * abs_d)
+                * fibres.axes
+                * 0.5;
+            let between = fibres.strain * 2.0 + change;
+            let last = match self.tissue.material {
+                Material::Orthotropic(m) => Fibres::new(m, &self.tissue, h + d, self.h + abs_d),
+                Material::StableNeoHookean(_) => return f64::NAN,
+            };
+            // ΔE : (M ∘ (2 E + ΔE)) errs in either factor; and eˣ − 1 ≤ x e^max(x, 0).
+            let exact_change = abs(last.exact - fibres.exact);
+            let exact_between = abs(last.exact + fibres.exact);
+            let form = |m: DMat3| {
+                double_dot(change, by_entries(m, exact_between))
+                    + double_dot(exact_change, by_entries(m, between))
+            };
+            let slope = fibres.slope().max(last.slope());
+            out += 0.5 * (form(fibres.moduli) + slope * form(fibres.rates));
+        }
+        out * self.tissue.local.stiffness
+    }
+
+    /// Roundings of an energy: degree ≤ 6, and what the fibres add.
+    pub fn energy_roundings(&self, handles: usize) -> usize {
+        5 * (handles + 3) + 26 + if self.fibres.is_some() { 60 } else { 0 }
+    }
+}
