@@ -91,6 +91,16 @@ pub struct EvaluationTimings {
     pub readback: f64,
 }
 
+/// Which second derivatives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HessianForm {
+    /// All of them, symmetrised over the order of two rotations: with the unprojected tangent, the curvature of the
+    /// colliders, and fᵀ ∂²x/∂q² of inertia, gravity and contact. May be indefinite.
+    Exact,
+    /// Gauss–Newton with the projected tangent, as Newton gets it: positive semi-definite.
+    Solver,
+}
+
 /// The tissue's energy for a batch of avatars of one baked asset.
 pub trait Potential {
     /// What evaluates it, for reports: `"cpu"`, or the adapter's name.
@@ -104,6 +114,11 @@ pub trait Potential {
 
     /// Number of instances.
     fn instances(&self) -> usize;
+
+    /// Which Hessian [`Potential::evaluate`] gives; the skeleton's terms follow.
+    fn hessian_form(&self) -> HessianForm {
+        HessianForm::Solver
+    }
 
     /// Time spent since the last [`Potential::begin_step`], where the implementation measures it.
     fn timings(&self) -> EvaluationTimings {
@@ -125,7 +140,8 @@ pub trait Potential {
         out: &mut [Evaluation],
     ) -> impl Future<Output = Result<()>>;
 
-    /// E(state) − E(base) of each trial, summed from increments; `out` is as long as `trials`.
+    /// E(state) − E(base) of each trial, summed from increments; `out` is as long as `trials`. Where it overflows it
+    /// is not finite: the trial is a bad one, not the call.
     fn energy_differences(
         &mut self,
         trials: &[Trial<'_>],

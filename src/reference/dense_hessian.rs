@@ -8,17 +8,8 @@ use super::{Basis, Motion, Reference, compact::compact};
 use crate::Result;
 use crate::math::{Mat9, skew};
 use crate::model::{Frame, SkinWeight, State};
+use crate::potential::HessianForm;
 use glam::{DMat3, DVec3};
-
-/// Which second derivatives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HessianForm {
-    /// All of them, symmetrised over the order of two rotations: with the unprojected tangent, the curvature of the
-    /// colliders, and fᵀ ∂²x/∂q² of inertia, gravity and contact. May be indefinite.
-    Exact,
-    /// Gauss–Newton with the projected tangent, as Newton gets it: positive semi-definite.
-    Solver,
-}
 
 impl<B: Basis> Reference<B> {
     /// The Hessian at `state` in the step that `instance` has begun, `dofs × dofs`.

@@ -15,7 +15,7 @@ const SINGLE_PRECISION_RESIDUAL: f64 = 1e-4;
 
 /// LLᵀ of the matrix scaled to a unit diagonal, in f32 with one refinement against the f64 residual
 /// (Higham 2002, §12). Where that fails, in f64; where the matrix is indefinite, in f64 with the
-/// smallest of the shifts 1e-8, 1e-6, 1e-4, 1e-2 of the scaled diagonal that factors, which still
+/// smallest of the shifts 1e-8 to 1 of the scaled diagonal that factors, which still
 /// gives a descent direction. One thread: threads made it slower at these sizes.
 pub struct DenseCholesky {
     pattern: BlockPattern,

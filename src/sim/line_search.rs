@@ -7,11 +7,13 @@ use crate::math::Stopwatch;
 use crate::model::State;
 use crate::potential::{Potential, Trial};
 
-/// Step lengths tried in one call; the next call goes on where they end.
-const TRIALS: usize = 4;
-
-/// Calls before the direction is given up: the last α is 2⁻¹¹.
-const CALLS: i32 = 3;
+/// Step lengths tried in one call, call by call: the whole step mostly serves, and what follows shares its calls.
+const CALLS: [&[f64]; 4] = [
+    &[1.0],
+    &[0.5, 0.25, 0.125, 0.0625],
+    &[3.125e-2, 1.5625e-2, 7.8125e-3, 3.90625e-3],
+    &[1.953125e-3, 9.765625e-4, 4.8828125e-4],
+];
 
 /// Share of the predicted decrease α gᵀδ that has to be reached (Nocedal and Wright, §3.1).
 const SUFFICIENT_DECREASE: f64 = 1e-4;
@@ -37,14 +39,12 @@ impl Newton {
         self.search
             .pending
             .extend(running.filter(|(_, r)| **r).map(|(i, _)| i));
-        for call in 0..CALLS {
+        for alphas in CALLS {
             if self.search.pending.is_empty() {
                 return Ok(());
             }
-            let alphas: [f64; TRIALS] =
-                std::array::from_fn(|k| 0.5f64.powi(call * TRIALS as i32 + k as i32));
-            self.try_lengths(potential, &alphas, timings).await?;
-            self.accept(&alphas);
+            self.try_lengths(potential, alphas, timings).await?;
+            self.accept(alphas);
         }
         for &i in &self.search.pending {
             self.lanes[i].report.stop = Stop::LineSearchStalled;
@@ -57,18 +57,22 @@ impl Newton {
     async fn try_lengths<P: Potential>(
         &mut self,
         potential: &mut P,
-        alphas: &[f64; TRIALS],
+        alphas: &[f64],
         timings: &mut Timings,
     ) -> Result<()> {
         let watch = Stopwatch::start();
         let search = &mut self.search;
-        let count = search.pending.len() * TRIALS;
+        let count = search.pending.len() * alphas.len();
         while search.states.len() < count {
             search.states.push(self.states[0].clone());
         }
         search.differences.resize(count, 0.0);
         let mut trials = Vec::with_capacity(count);
-        for (&i, states) in search.pending.iter().zip(search.states.chunks_mut(TRIALS)) {
+        for (&i, states) in search
+            .pending
+            .iter()
+            .zip(search.states.chunks_mut(alphas.len()))
+        {
             for (state, alpha) in states.iter_mut().zip(alphas) {
                 state.clone_from(&self.states[i]);
                 state.move_by(&self.lanes[i].step, *alpha);
@@ -93,17 +97,17 @@ impl Newton {
     }
 
     /// Moves the pending instances for which an α is good enough, and keeps the others pending.
-    fn accept(&mut self, alphas: &[f64; TRIALS]) {
+    fn accept(&mut self, alphas: &[f64]) {
         let search = &mut self.search;
         let mut k = 0;
         search.pending.retain(|&i| {
-            let found = (0..TRIALS).find(|t| {
+            let found = (0..alphas.len()).find(|t| {
                 let demanded = SUFFICIENT_DECREASE * alphas[*t] * self.lanes[i].report.decrement;
                 // False for NaN: a trial that overflows is a bad one.
-                search.differences[k * TRIALS + t] <= -demanded
+                search.differences[k * alphas.len() + t] <= -demanded
             });
             if let Some(t) = found {
-                self.states[i].clone_from(&search.states[k * TRIALS + t]);
+                self.states[i].clone_from(&search.states[k * alphas.len() + t]);
             }
             k += 1;
             found.is_none()

@@ -5,12 +5,16 @@ use super::report::{InstanceReport, Stop, Timings};
 use super::settings::SolverMode;
 use crate::math::Stopwatch;
 use crate::model::State;
-use crate::potential::{Evaluation, Potential};
+use crate::potential::{Evaluation, HessianForm, Potential};
 use crate::skeleton::{SkeletonEnergies, SkeletonPotential};
 use crate::{Error, Result};
 
 /// What f32 resolves of E, J: a smaller rise is noise.
 pub(super) const ENERGY_RESOLUTION: f64 = 1e-8;
+
+/// The longest step that [`SolverMode::OneIteration`] takes on trust, m: it starts at the prediction, so a longer one
+/// means that the step holds something unforeseen.
+const SURPRISE: f64 = 1e-3;
 
 /// Lever at which a rotation counts as a length, m.
 const ROTATION_LEVER: f64 = 0.1;
@@ -83,12 +87,9 @@ impl Newton {
         match mode {
             SolverMode::OneIteration => {
                 self.directions(potential, solver, timings)?;
-                for i in 0..self.lanes.len() {
-                    if !self.running[i] {
-                        continue;
-                    }
-                    self.take_full_step(i, Stop::OneIteration);
-                }
+                self.take_short_steps(SURPRISE, Stop::OneIteration);
+                self.line_search(potential, timings).await?;
+                self.stop_running(Stop::OneIteration);
                 Ok(())
             }
             SolverMode::Converged {
@@ -166,26 +167,13 @@ impl Newton {
                 self.evaluate(potential, timings).await?;
             }
             self.directions(potential, solver, timings)?;
-            for i in 0..self.lanes.len() {
-                if !self.running[i] {
-                    continue;
-                }
-                if self.lanes[i].report.step_length <= tolerance {
-                    self.take_full_step(i, Stop::Converged);
-                }
-            }
+            self.take_short_steps(tolerance, Stop::Converged);
             self.line_search(potential, timings).await?;
             if !self.running.contains(&true) {
                 return Ok(());
             }
         }
-        for i in 0..self.lanes.len() {
-            if !self.running[i] {
-                continue;
-            }
-            self.lanes[i].report.stop = Stop::IterationLimit;
-            self.running[i] = false;
-        }
+        self.stop_running(Stop::IterationLimit);
         Ok(())
     }
 
@@ -209,6 +197,9 @@ impl Newton {
             let evaluation = &mut self.evaluations[i];
             let skeleton = &self.lanes[i].skeleton;
             skeleton.add_derivatives(frames, &mut evaluation.gradient, &mut evaluation.hessian);
+            if potential.hessian_form() == HessianForm::Exact {
+                skeleton.add_geometric(frames, &mut evaluation.hessian);
+            }
             self.lanes[i].report.skeleton_energies = self.skeleton_energies(i);
         }
         timings.skeleton += watch.ms();
@@ -277,11 +268,25 @@ impl Newton {
         Ok(())
     }
 
-    /// Moves instance `i` by its whole step and ends its minimisation.
-    fn take_full_step(&mut self, i: usize, stop: Stop) {
-        self.states[i].move_by(&self.lanes[i].step, 1.0);
-        self.lanes[i].report.stop = stop;
-        self.running[i] = false;
+    /// Moves every running instance whose step is no longer than `length` by its whole step, and ends its
+    /// minimisation.
+    fn take_short_steps(&mut self, length: f64, stop: Stop) {
+        for i in 0..self.lanes.len() {
+            if self.running[i] && self.lanes[i].report.step_length <= length {
+                self.states[i].move_by(&self.lanes[i].step, 1.0);
+                self.lanes[i].report.stop = stop;
+                self.running[i] = false;
+            }
+        }
+    }
+
+    /// Ends the minimisation of what still runs.
+    fn stop_running(&mut self, stop: Stop) {
+        for (running, lane) in self.running.iter_mut().zip(&mut self.lanes) {
+            if std::mem::take(running) {
+                lane.report.stop = stop;
+            }
+        }
     }
 }
 

@@ -85,6 +85,26 @@ impl<P: Potential> Simulation<P> {
         &self.settings
     }
 
+    /// Makes the steps that follow `time_step` (s) long. Velocities stay what they are.
+    ///
+    /// # Errors
+    /// It is not positive and finite.
+    pub fn set_time_step(&mut self, time_step: f64) -> Result<()> {
+        let settings = Settings {
+            time_step,
+            ..self.settings
+        };
+        settings.validate()?;
+        let ratio = time_step / self.settings.time_step;
+        for instance in &mut self.instances {
+            // What led to qⁿ in the old step leads to it from further or nearer.
+            let step = instance.previous.step_to(&instance.state);
+            instance.previous = instance.state.moved(&step, -ratio);
+        }
+        self.settings = settings;
+        Ok(())
+    }
+
     /// What evaluates the tissue.
     pub fn potential(&self) -> &P {
         &self.potential

@@ -16,7 +16,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 /// Supernodal LLᵀ in f64 of the matrix scaled to a unit diagonal, ordered by approximate minimum
 /// degree, with the symbolic factorisation done once. An indefinite matrix gets the smallest of the
-/// shifts 1e-8, 1e-6, 1e-4, 1e-2 of the scaled diagonal that factors.
+/// shifts 1e-8 to 1 of the scaled diagonal that factors.
 pub struct SparseCholesky {
     pattern: BlockPattern,
     /// The lower triangle by columns.

@@ -1,0 +1,313 @@
+//! What no user should do: colliders that appear inside the body, targets that flip, springs and tissues of very
+//! different stiffness, time steps of any length in any order. Within stated bounds the avatar recovers; beyond them
+//! it stays finite, or the step is refused and leaves everything as it was.
+
+use std::sync::{Arc, OnceLock};
+use supple::Error;
+use supple::bake::{CubatureRecipe, HandleRegion, Recipe, bake};
+use supple::collider::{Collider, Shape};
+use supple::glam::DVec3;
+use supple::material::{Material, StableNeoHookean};
+use supple::math::{Random, rotation_exp};
+use supple::model::{Avatar, Frame, State, Surface};
+use supple::potential::Potential;
+use supple::reference::{Reference, min_det_f};
+use supple::sample::Finger;
+use supple::sim::{Instance, Settings, Simulation, SolverMode};
+use supple::skeleton::{Spring, Tracking};
+
+/// A coarse finger: three bones, 16 handles.
+fn finger() -> &'static Avatar {
+    static FINGER: OnceLock<Avatar> = OnceLock::new();
+    FINGER.get_or_init(|| {
+        let finger = Finger {
+            edge_length: 0.004,
+            ..Finger::default()
+        };
+        let recipe = Recipe {
+            handles: vec![HandleRegion {
+                count: Some(16),
+                ..HandleRegion::default()
+            }],
+            cubature: CubatureRecipe {
+                points: Some(120),
+                ..CubatureRecipe::default()
+            },
+            ..Recipe::default()
+        };
+        bake(&finger.body().unwrap(), &recipe, &mut |_| {})
+            .unwrap()
+            .0
+    })
+}
+
+/// How rough a storm is.
+struct Severity {
+    /// How deep colliders appear inside the body, m.
+    depth: f64,
+    /// Shortest and longest time step, s.
+    time_steps: [f64; 2],
+    /// Weakest and strongest factor on springs and tissue.
+    stiffness: [f64; 2],
+    /// Gravity, m/s².
+    gravity: f64,
+    /// Steps.
+    steps: usize,
+}
+
+/// What has to be recovered from.
+const STATED: Severity = Severity {
+    depth: 0.01,
+    time_steps: [1e-3, 1.0 / 30.0],
+    stiffness: [1e-2, 1e2],
+    gravity: 10.0,
+    steps: 30,
+};
+
+/// What has to be survived.
+const BEYOND: Severity = Severity {
+    depth: 0.2,
+    time_steps: [1e-5, 0.1],
+    stiffness: [1e-6, 1e6],
+    gravity: 1e5,
+    steps: 30,
+};
+
+/// Seeded trouble for one finger.
+struct Storm {
+    random: Random,
+    severity: &'static Severity,
+    rest: State,
+}
+
+impl Storm {
+    fn new(seed: u64, severity: &'static Severity) -> Self {
+        Self {
+            random: Random::new(seed),
+            severity,
+            rest: finger().rest_state(),
+        }
+    }
+
+    /// Between the bounds, every order of magnitude alike.
+    fn scaled(&mut self, [low, high]: [f64; 2]) -> f64 {
+        self.random.uniform(low.ln(), high.ln()).exp()
+    }
+
+    /// The finger with tissue of a random stiffness: 300 Pa to 3 MPa within the stated bounds.
+    fn avatar(&mut self) -> Arc<Avatar> {
+        let factor = self.scaled(self.severity.stiffness);
+        Arc::new(Avatar {
+            material: Material::StableNeoHookean(StableNeoHookean {
+                youngs_modulus: 30e3 * factor,
+                poissons_ratio: self.random.uniform(0.0, 0.45),
+            }),
+            ..finger().clone()
+        })
+    }
+
+    fn drawn_to(&mut self, bone: usize, frame: Frame) -> Tracking {
+        let stiffness = self.severity.stiffness;
+        let mut spring = |k: f64| {
+            let stiffness = k * self.scaled(stiffness);
+            let damping = 0.01 * stiffness * self.random.uniform(0.0, 1.0);
+            Some(Spring { stiffness, damping })
+        };
+        Tracking {
+            rotation: spring(10.0),
+            position: spring(1e4),
+            ..Tracking::new(bone, frame)
+        }
+    }
+
+    /// Something happens.
+    fn strike(&mut self, skin: &Surface, instance: &mut Instance) {
+        match self.random.index(4) {
+            0 => {
+                let collider = self.inside(skin);
+                instance.colliders.truncate(2);
+                instance.colliders.insert(0, collider);
+            }
+            1 => {
+                instance.colliders.clear();
+            }
+            2 => {
+                let axis = self.random.rotation(3.0) * DVec3::X;
+                let flip = rotation_exp(std::f64::consts::PI * axis);
+                let target = &mut instance.targets[self.random.index(3)];
+                target.frame.rotation = flip * target.frame.rotation;
+            }
+            _ => {
+                let bone = self.random.index(3);
+                let target = self.drawn_to(bone, self.rest.frames[bone]);
+                instance.targets[bone] = target;
+                instance.bending[bone].stiffness = self.scaled(self.severity.stiffness);
+                instance.gravity = self.random.vector(self.severity.gravity);
+            }
+        }
+    }
+
+    /// A solid that reaches up to the stated depth into the skin.
+    fn inside(&mut self, skin: &Surface) -> Collider {
+        let v = self.random.index(skin.positions.len());
+        let normal = skin.vertex_normals()[v];
+        let depth = self.random.uniform(0.0, self.severity.depth);
+        let touched = skin.positions[v] - depth * normal;
+        let (shape, away) = match self.random.index(4) {
+            0 => (Shape::Sphere { radius: 0.02 }, 0.02),
+            1 => (Shape::HalfSpace, 0.0),
+            2 => {
+                let half_extents = [0.02, 0.03, 0.01];
+                (Shape::Box { half_extents }, 0.01)
+            }
+            _ => {
+                let (radius, half_length) = (0.01, 0.02);
+                let cylinder = Shape::Cylinder {
+                    radius,
+                    half_length,
+                };
+                (cylinder, half_length)
+            }
+        };
+        // Its z axis looks at the finger.
+        let axis = DVec3::Z.cross(-normal);
+        let angle = DVec3::Z.dot(-normal).clamp(-1.0, 1.0).acos();
+        let frame = Frame {
+            rotation: rotation_exp(angle * axis.normalize_or(DVec3::X)),
+            position: touched + away * normal,
+        };
+        Collider::new(shape, frame)
+    }
+
+    /// Plays the storm and hands back what it left.
+    fn rage<P: Potential>(
+        &mut self,
+        simulation: &mut Simulation<P>,
+        mut check: impl FnMut(usize, supple::Result<()>),
+    ) {
+        let targets: Vec<_> = (0..3)
+            .map(|bone| self.drawn_to(bone, self.rest.frames[bone]))
+            .collect();
+        simulation.instances_mut()[0].targets = targets;
+        let (mut skin, mut normals) = (finger().skin.position.clone(), Vec::new());
+        for step in 0..self.severity.steps {
+            if self.random.index(3) == 0 {
+                let surface = Surface {
+                    positions: skin.clone(),
+                    triangles: finger().triangles.clone(),
+                };
+                self.strike(&surface, &mut simulation.instances_mut()[0]);
+            }
+            if self.random.index(2) == 0 {
+                let time_step = self.scaled(self.severity.time_steps);
+                simulation.set_time_step(time_step).unwrap();
+            }
+            let before = simulation.instances()[0].clone();
+            let outcome = simulation.step_blocking().map(|_| ());
+            let after = &simulation.instances()[0];
+            assert!(after.state.is_finite(), "step {step}: {:?}", after.state);
+            if outcome.is_err() {
+                assert_eq!(before.state, after.state, "step {step}");
+                assert_eq!(before.previous, after.previous, "step {step}");
+            } else {
+                simulation
+                    .read_skin_blocking(0, &mut skin, &mut normals)
+                    .unwrap();
+                assert!(skin.iter().all(|x| x.is_finite()), "step {step}");
+            }
+            check(step, outcome);
+        }
+    }
+}
+
+fn modes() -> [SolverMode; 3] {
+    [
+        SolverMode::OneIteration,
+        SolverMode::TWO_ITERATIONS,
+        SolverMode::Converged {
+            tolerance: 1e-6,
+            max_iterations: 30,
+        },
+    ]
+}
+
+fn settings(solver: SolverMode) -> Settings {
+    Settings {
+        solver,
+        bending_stiffness: 0.5,
+        ..Settings::default()
+    }
+}
+
+fn cpu(avatar: &Arc<Avatar>, solver: SolverMode) -> Simulation<Reference> {
+    let potential = Reference::new(avatar.clone(), 1, 4 * avatar.skin.len()).unwrap();
+    Simulation::new(avatar, potential, settings(solver)).unwrap()
+}
+
+/// Two seconds of calm: nothing touches the finger, and its bones are drawn to where they were at first. What is left
+/// of the storm: the skin's largest distance from rest (m), and the smallest det F.
+fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
+    let rest = finger().rest_state();
+    let instance = &mut simulation.instances_mut()[0];
+    instance.colliders.clear();
+    instance.gravity = DVec3::ZERO;
+    for (bone, target) in instance.targets.iter_mut().enumerate() {
+        let spring = |stiffness, damping| Some(Spring { stiffness, damping });
+        *target = Tracking {
+            rotation: spring(10.0, 0.1),
+            position: spring(1e4, 10.0),
+            ..Tracking::new(bone, rest.frames[bone])
+        };
+        instance.bending[bone].stiffness = 0.5;
+    }
+    simulation.set_time_step(1.0 / 60.0).unwrap();
+    for _ in 0..120 {
+        simulation.step_blocking().unwrap();
+    }
+    let (mut skin, mut normals) = (Vec::new(), Vec::new());
+    simulation
+        .read_skin_blocking(0, &mut skin, &mut normals)
+        .unwrap();
+    let pairs = skin.iter().zip(&finger().skin.position);
+    let left = pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    let state = &simulation.instances()[0].state;
+    (left, min_det_f(&finger().layer, state))
+}
+
+#[test]
+fn it_recovers_within_two_seconds() {
+    let mut failures = Vec::new();
+    for seed in 0..40 {
+        for mode in modes() {
+            let mut storm = Storm::new(seed, &STATED);
+            let mut simulation = cpu(&storm.avatar(), mode);
+            storm.rage(&mut simulation, |step, outcome| {
+                if let Err(error) = outcome {
+                    panic!("seed {seed}, {mode:?}, step {step}: {error}");
+                }
+            });
+            let (left, det_f) = calm(&mut simulation);
+            if !(left < 1e-4 && det_f > 0.9) {
+                failures.push(format!("seed {seed}, {mode:?}: {left:e} m, det F {det_f}"));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn beyond_its_bounds_it_stays_finite_or_refuses() {
+    let mut refused = 0;
+    for seed in 100..140 {
+        for mode in modes() {
+            let mut storm = Storm::new(seed, &BEYOND);
+            let mut simulation = cpu(&storm.avatar(), mode);
+            storm.rage(&mut simulation, |step, outcome| match outcome {
+                Ok(()) => {}
+                Err(Error::NotFinite { .. } | Error::Solve { .. }) => refused += 1,
+                Err(error) => panic!("seed {seed}, {mode:?}, step {step}: {error}"),
+            });
+        }
+    }
+    println!("{refused} steps were refused");
+}
