@@ -152,6 +152,7 @@ fn refining_the_time_step_converges_at_first_order() -> Result<()> {
             solver: CONVERGED,
             // Soft enough for every vibration to be resolved.
             joint_stiffness: 2e3,
+            limit_stiffness: 0.0,
             bending_stiffness: 1.0,
         };
         let mut simulation = simulation(&avatar, settings);

@@ -183,6 +183,7 @@ fn body(size: f64) -> Body {
             parents: vec![None, Some(0)],
             joints: vec![DVec3::ZERO, DVec3::splat(0.5)],
             aliases: Vec::new(),
+            limits: Vec::new(),
         },
         skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),
         skin,

@@ -12,7 +12,7 @@ use super::report::{
     AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport, peak_memory,
 };
 use super::softness::Softness;
-use super::{Recipe, automatic};
+use super::{Recipe, automatic, set_limits};
 use crate::math::Rows;
 use crate::model::{Avatar, Body, PointSet, SoftLayer, TetMesh};
 use crate::{Error, Result};
@@ -134,9 +134,11 @@ pub fn bake(
 
     let material =
         (recipe.material).unwrap_or_else(|| automatic::material(&softness, recipe.density));
+    let mut skeleton = body.skeleton.clone();
+    set_limits(&mut skeleton, &recipe.limits)?;
     let avatar = Avatar {
         name: body.name.clone(),
-        skeleton: body.skeleton.clone(),
+        skeleton,
         bone_masses: masses,
         handles: handles.positions,
         cubature: points,

@@ -1,6 +1,6 @@
 //! What a bake is asked for.
 
-use super::{BasisEnergy, CubatureMethod, HandleRegion, Mesher, Truncation};
+use super::{BasisEnergy, CubatureMethod, HandleRegion, JointLimitKey, Mesher, Truncation};
 use crate::material::Material;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -30,6 +30,8 @@ pub struct Recipe {
     pub truncation: Truncation,
     /// How the tissue is sampled.
     pub cubature: CubatureRecipe,
+    /// Ranges of joints, in place of the model's own.
+    pub limits: Vec<JointLimitKey>,
 }
 
 /// How the tissue is sampled. `points` wins over `points_per_handle`, and `all_tets` over both.
@@ -70,6 +72,7 @@ impl Default for Recipe {
             basis_energy: BasisEnergy::default(),
             truncation: Truncation::default(),
             cubature: CubatureRecipe::default(),
+            limits: Vec::new(),
         }
     }
 }
@@ -97,6 +100,9 @@ impl Recipe {
                 "damping_time",
                 "must be zero or positive (s)",
             ));
+        }
+        for (i, key) in self.limits.iter().enumerate() {
+            key.range(&format!("limits[{i}]"))?;
         }
         if self.bones_per_point == 0 {
             return Err(Error::invalid("bones_per_point", "must be at least 1"));

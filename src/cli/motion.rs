@@ -72,6 +72,7 @@ impl Arguments {
             parents: c.parents.clone(),
             joints: (c.rest_joints.clone()).unwrap_or_else(|| vec![DVec3::ZERO; c.bones.len()]),
             aliases: Vec::new(),
+            limits: Vec::new(),
         });
         let (figure, skeleton) = match (&body, &own) {
             (Some(body), _) => (Figure::Skin(body), &body.skeleton),

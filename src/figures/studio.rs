@@ -132,7 +132,7 @@ impl Studio {
     pub fn avatar_of(&self, scene: &Scene) -> Result<Arc<Avatar>> {
         let mut avatar = self.avatar(&scene.avatar)?;
         let own = scene.material.is_some() || scene.damping_time.is_some();
-        if own || !scene.bodies.is_empty() {
+        if own || !scene.bodies.is_empty() || !scene.limits.is_empty() {
             scene.dress(Arc::make_mut(&mut avatar))?;
         }
         Ok(avatar)

@@ -249,6 +249,7 @@ fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
             parents: vec![None],
             joints: vec![0.5 * (low + high)],
             aliases: Vec::new(),
+            limits: Vec::new(),
         },
         skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),
         skin,

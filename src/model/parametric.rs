@@ -53,6 +53,7 @@ impl ParametricModel {
         let joints = self.joints(&self.shaped(betas));
         Skeleton {
             aliases: Vec::new(),
+            limits: Vec::new(),
             names: self.names.clone(),
             parents: self.parents.clone(),
             joints,

@@ -1,6 +1,6 @@
 //! The bones' tree and its forward kinematics.
 
-use super::Frame;
+use super::{Frame, JointRange};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,8 @@ pub struct Skeleton {
     pub joints: Vec<DVec3>,
     /// Further names of bones, such as VRM's humanoid ones.
     pub aliases: Vec<(String, u32)>,
+    /// How far joints turn, by bone; a bone without an entry turns freely.
+    pub limits: Vec<(u32, JointRange)>,
 }
 
 impl Skeleton {
@@ -45,6 +47,12 @@ impl Skeleton {
             parents: self.parents[..count].to_vec(),
             joints: self.joints[..count].to_vec(),
             aliases: self.aliases.iter().filter(known).cloned().collect(),
+            limits: (self
+                .limits
+                .iter()
+                .filter(|l| (l.0 as usize) < count)
+                .copied())
+            .collect(),
         }
     }
 
@@ -121,6 +129,14 @@ impl Skeleton {
         if self.aliases.iter().any(|(_, j)| *j as usize >= count) {
             let problem = "one names a bone that is not there";
             return Err(Error::invalid("skeleton.aliases", problem));
+        }
+        for &(bone, range) in &self.limits {
+            let field = format!("skeleton.limits[{bone}]");
+            if self.parents.get(bone as usize).is_none_or(Option::is_none) {
+                let problem = "there is no such bone, or it has no parent";
+                return Err(Error::invalid(field, problem));
+            }
+            range.validate(&field)?;
         }
         if self.joints.iter().any(|j| !j.is_finite()) {
             return Err(Error::invalid(

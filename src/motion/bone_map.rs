@@ -233,6 +233,7 @@ mod tests {
             parents: (0..names.len() as u32).map(|j| j.checked_sub(1)).collect(),
             joints: vec![glam::DVec3::ZERO; names.len()],
             aliases: Vec::new(),
+            limits: Vec::new(),
             names,
         }
     }

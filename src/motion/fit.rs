@@ -145,6 +145,7 @@ mod tests {
     fn rotations_are_found_from_places() {
         let skeleton = Skeleton {
             aliases: Vec::new(),
+            limits: Vec::new(),
             names: ["hand", "a1", "a2", "b1", "c1"].map(Into::into).to_vec(),
             parents: vec![None, Some(0), Some(1), Some(0), Some(0)],
             joints: vec![

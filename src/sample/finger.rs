@@ -63,6 +63,7 @@ impl Finger {
             name: "finger".into(),
             skeleton: Skeleton {
                 aliases: Vec::new(),
+                limits: Vec::new(),
                 names: ["proximal", "middle", "distal"].map(String::from).into(),
                 parents: vec![None, Some(0), Some(1)],
                 joints: JOINTS.map(|s| axis.at(s).0).into(),

@@ -175,6 +175,7 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
         name: name.into(),
         skeleton: Skeleton {
             aliases: Vec::new(),
+            limits: Vec::new(),
             names: vec!["bone".into()],
             parents: vec![None],
             joints: vec![joint],

@@ -30,6 +30,7 @@ pub fn random_avatar(
     let bones = bones.max(1);
     let skeleton = Skeleton {
         aliases: Vec::new(),
+        limits: Vec::new(),
         names: (0..bones).map(|j| format!("bone {j}")).collect(),
         parents: (0..bones)
             .map(|j| (j > 0).then(|| random.index(j.max(1)) as u32))

@@ -68,7 +68,7 @@ impl<P: Potential> Simulation<P> {
                 elastic: tissue.elastic,
                 gravity: tissue.gravity + bones.gravity,
                 contact: tissue.contact,
-                skeleton: bones.joint + bones.bending + bones.tracking,
+                skeleton: bones.joint + bones.bending + bones.limit + bones.tracking,
             }
         };
         let lanes = resting.iter().zip(&states).zip(&evaluations);

@@ -1,9 +1,9 @@
 //! One simulated avatar: its state and what drives it.
 
-use super::settings::not_negative;
+use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
 use crate::model::{Avatar, Frame, State};
-use crate::skeleton::{Bending, Tracking};
+use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 
@@ -30,6 +30,8 @@ pub struct Instance {
     pub pins: Vec<Pin>,
     /// The rest rotation of each bone relative to its parent, and how stiffly it is kept.
     pub bending: Vec<Bending>,
+    /// Ranges of joints, and how stiffly they are kept: at first those of the avatar's skeleton.
+    pub limits: Vec<JointLimit>,
     /// What the skin cannot enter; with bodies, theirs are the first. After a step each `previous` becomes its `frame`.
     pub colliders: Vec<Collider>,
     /// Gravity, m/s².
@@ -41,7 +43,7 @@ pub struct Instance {
 impl Instance {
     /// The avatar at rest in its bind pose, with gravity along −z and nothing around it but its bodies,
     /// whose colliders come first.
-    pub fn new(avatar: &Avatar, bending_stiffness: f64) -> Self {
+    pub fn new(avatar: &Avatar, settings: &Settings) -> Self {
         let state = avatar.rest_state();
         Self {
             previous: state.clone(),
@@ -50,10 +52,17 @@ impl Instance {
             bending: vec![
                 Bending {
                     rest_rotation: DMat3::IDENTITY,
-                    stiffness: bending_stiffness,
+                    stiffness: settings.bending_stiffness,
                 };
                 state.frames.len()
             ],
+            limits: (avatar.skeleton.limits.iter())
+                .map(|&(bone, range)| JointLimit {
+                    bone: bone as usize,
+                    range,
+                    stiffness: settings.limit_stiffness,
+                })
+                .collect(),
             state,
             colliders: avatar.body_colliders().collect(),
             gravity: DVec3::new(0.0, 0.0, -9.81),
@@ -124,6 +133,15 @@ impl Instance {
                 "bending",
                 "a rest rotation is none",
             )?;
+        }
+        for limit in &self.limits {
+            check(
+                limit.bone < bones,
+                "limits",
+                "names a bone that is not there",
+            )?;
+            limit.range.validate("instance.limits.range")?;
+            not_negative("instance.limits.stiffness", limit.stiffness, "N·m/rad")?;
         }
         for target in &self.targets {
             check(

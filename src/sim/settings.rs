@@ -63,6 +63,8 @@ pub struct Settings {
     pub joint_stiffness: f64,
     /// Initial k of the springs that keep each bone's rotation relative to its parent, N·m/rad.
     pub bending_stiffness: f64,
+    /// Initial k of the springs that keep joints within their ranges, N·m/rad.
+    pub limit_stiffness: f64,
 }
 
 impl Default for Settings {
@@ -72,6 +74,7 @@ impl Default for Settings {
             solver: SolverMode::OneIteration,
             joint_stiffness: 1e6,
             bending_stiffness: 10.0,
+            limit_stiffness: 1e3,
         }
     }
 }
@@ -94,6 +97,7 @@ impl Settings {
             self.bending_stiffness,
             "N·m/rad",
         )?;
+        not_negative("settings.limit_stiffness", self.limit_stiffness, "N·m/rad")?;
         if let SolverMode::Converged {
             tolerance,
             max_iterations,
@@ -206,6 +210,13 @@ mod tests {
                     ..base
                 },
                 "bending_stiffness",
+            ),
+            (
+                Settings {
+                    limit_stiffness: f64::NAN,
+                    ..base
+                },
+                "limit_stiffness",
             ),
             (converged(0.0, 10), "tolerance"),
             (converged(1e-8, 0), "max_iterations"),

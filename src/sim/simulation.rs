@@ -54,7 +54,7 @@ impl<P: Potential> Simulation<P> {
         }
         let skeleton = SkeletonModel::new(avatar);
         let instances: Vec<_> = (0..potential.instances())
-            .map(|_| Instance::new(avatar, settings.bending_stiffness))
+            .map(|_| Instance::new(avatar, &settings))
             .collect();
         let dofs = avatar.space().dofs();
         let lanes = instances
@@ -279,6 +279,7 @@ pub(super) fn skeleton_terms(
             current: &instance.state.frames,
             joint_stiffness: settings.joint_stiffness,
             bending: &instance.bending,
+            limits: &instance.limits,
             targets: &instance.targets,
             gravity: instance.gravity,
         },

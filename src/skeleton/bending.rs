@@ -62,32 +62,31 @@ impl FrameTerm for BendingSpring {
 
     fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
         let r = self.residual(frames);
-        let parent = &frames[self.parent].rotation;
+        let force = self.bending.stiffness * r;
         add_relative_curvature(
             [2 * self.child + 1, 2 * self.parent + 1],
-            parent,
-            r,
-            self.bending.stiffness * r,
+            &frames[self.parent].rotation,
+            log_curvature(r, force),
+            inverse_left_jacobian(r).transpose() * force,
             hessian,
         );
     }
 }
 
-/// Adds f · ∂²r with r = log(R_pᵀ R_j R₀⁻¹) to the blocks (ω_j, ω_p) of `blocks`.
+/// Adds the curvature of a function of Q = R_pᵀ R_j to the blocks (ω_j, ω_p) of `blocks`; `curvature`
+/// and `torque` are its second and first derivatives by ε in Q ← exp(\[ε\]) Q.
 ///
 /// exp(−ta) exp(tb) = exp(t(b − a) − ½t² a × b + …) with a, b = R_pᵀω_p, R_pᵀω_j: besides the
-/// logarithm's curvature in b − a there is −(J_l⁻ᵀf) · (a × b), half of it in each mixed block.
+/// curvature in b − a there is −torque · (a × b), half of it in each mixed block.
 pub(super) fn add_relative_curvature(
     blocks: [usize; 2],
     parent: &DMat3,
-    r: DVec3,
-    f: DVec3,
+    curvature: DMat3,
+    torque: DVec3,
     hessian: &mut FrameHessian<'_>,
 ) {
     let turned = |m: DMat3| *parent * m * parent.transpose();
-    let curvature = turned(log_curvature(r, f));
-    let pulled = inverse_left_jacobian(r).transpose() * f;
-    let order = turned(skew(pulled)) * 0.5;
+    let (curvature, order) = (turned(curvature), turned(skew(torque)) * 0.5);
     let [child, parent] = blocks;
     hessian.add(child, child, curvature);
     hessian.add(parent, parent, curvature);

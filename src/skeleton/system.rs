@@ -4,6 +4,7 @@ use super::bending::{Bending, BendingSpring};
 use super::bone_inertia::BoneInertia;
 use super::gravity::{FrameGravity, TissueMoments};
 use super::joint::JointSpring;
+use super::limit::{JointLimit, LimitSpring};
 use super::term::{FrameHessian, FrameTerm};
 use super::tracking::{Tracking, TrackingSpring};
 use crate::model::{Avatar, BoneMass, Frame, Skeleton};
@@ -63,6 +64,8 @@ pub struct SkeletonStart<'a> {
     pub joint_stiffness: f64,
     /// One for each bone.
     pub bending: &'a [Bending],
+    /// Ranges of joints.
+    pub limits: &'a [JointLimit],
     /// Targets of bones.
     pub targets: &'a [Tracking],
     /// Gravity, m/s².
@@ -78,6 +81,8 @@ pub struct SkeletonEnergies {
     pub joint: f64,
     /// Bending springs.
     pub bending: f64,
+    /// Limits of joints.
+    pub limit: f64,
     /// Springs and dampers of targets.
     pub tracking: f64,
     /// Gravity on bones, and on the tissue at φ = 0.
@@ -87,7 +92,7 @@ pub struct SkeletonEnergies {
 impl SkeletonEnergies {
     /// Their sum.
     pub fn total(&self) -> f64 {
-        self.inertia + self.joint + self.bending + self.tracking + self.gravity
+        self.inertia + self.joint + self.bending + self.limit + self.tracking + self.gravity
     }
 }
 
@@ -98,6 +103,7 @@ pub struct SkeletonPotential {
     inertia: Vec<BoneInertia>,
     joints: Vec<JointSpring>,
     bending: Vec<BendingSpring>,
+    limits: Vec<LimitSpring>,
     tracking: Vec<TrackingSpring>,
     gravity: FrameGravity,
 }
@@ -136,6 +142,17 @@ impl SkeletonPotential {
                     bending: start.bending[child],
                 })
                 .collect(),
+            limits: (start.limits.iter())
+                .filter_map(|&limit| {
+                    let parent = skeleton.parents[limit.bone]? as usize;
+                    let child = limit.bone;
+                    Some(LimitSpring {
+                        child,
+                        parent,
+                        limit,
+                    })
+                })
+                .collect(),
             tracking: start
                 .targets
                 .iter()
@@ -159,6 +176,7 @@ impl SkeletonPotential {
             inertia: sum(&self.inertia, base, frames),
             joint: sum(&self.joints, base, frames),
             bending: sum(&self.bending, base, frames),
+            limit: sum(&self.limits, base, frames),
             tracking: sum(&self.tracking, base, frames),
             gravity: self.gravity.difference(base, frames),
         }
@@ -188,6 +206,7 @@ impl SkeletonPotential {
         dynamic(&self.inertia)
             .chain(dynamic(&self.joints))
             .chain(dynamic(&self.bending))
+            .chain(dynamic(&self.limits))
             .chain(dynamic(&self.tracking))
             .chain(dynamic(std::slice::from_ref(&self.gravity)))
     }

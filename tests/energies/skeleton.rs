@@ -2,13 +2,13 @@
 
 use super::term::{Energy, Moved, Term};
 use supple::glam::DVec3;
-use supple::math::Random;
-use supple::model::{Avatar, Frame};
+use supple::math::{Random, rotation_exp};
+use supple::model::{Avatar, Frame, JointRange};
 use supple::reference::HessianForm;
 use supple::sample::random_avatar;
 use supple::skeleton::{
-    Bending, BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring,
-    Spring, TissueMoments, Tracking, TrackingSpring,
+    Bending, BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointLimit,
+    JointSpring, LimitSpring, Spring, TissueMoments, Tracking, TrackingSpring,
 };
 
 const BONES: usize = 3;
@@ -158,7 +158,55 @@ pub fn terms() -> Vec<Term> {
         &current,
     );
 
+    let limit = |range| {
+        let limit = JointLimit {
+            bone: 2,
+            range,
+            stiffness: 12.0,
+        };
+        LimitSpring {
+            child: 2,
+            parent: 1,
+            limit,
+        }
+    };
+    // Out of its range about two axes, within it about the third.
+    let in_box = limit(JointRange::Axes {
+        axes: random.rotation(1.0),
+        least: DVec3::new(-0.1, -3.0, -0.2),
+        most: DVec3::new(0.1, 3.0, 0.1),
+    });
+    let axis = DVec3::new(0.48, -0.6, 0.64);
+    let cone = |swing, twist| limit(JointRange::Cone { axis, swing, twist });
+    let (swing, twist) = (cone(0.1, [-3.1, 3.1]), cone(3.1, [-0.1, 0.05]));
+    let both = cone(0.1, [-0.1, 0.05]);
+    // All but turned round: 3.1 rad about an axis of none of the ranges, and about one across the cone's.
+    let turned = |about: DVec3| {
+        let mut frames = far.clone();
+        frames[2].rotation = frames[1].rotation * rotation_exp(about.normalize() * 3.1);
+        frames
+    };
+    let (round, across) = (
+        turned(DVec3::new(0.5, 0.7, -0.4)),
+        turned(axis.any_orthonormal_vector() + 0.3 * axis),
+    );
+    let near_half_a_turn = |name: &str, limit: LimitSpring, frames: &[Frame]| Term {
+        name: format!("{name}, near half a turn"),
+        energy: Box::new(Posed {
+            term: Box::new(limit),
+            frames: frames.to_vec(),
+        }),
+        at_rest: None,
+        linear: false,
+    };
+
     vec![
+        term("limit of axes", None, &|| Box::new(in_box)),
+        term("limit of swing", None, &|| Box::new(swing)),
+        term("limit of twist", None, &|| Box::new(twist)),
+        near_half_a_turn("limit of axes", in_box, &round),
+        near_half_a_turn("limit of swing", swing, &across),
+        near_half_a_turn("limit of swing and twist", both, &round),
         term("joint", Some(closed), &|| Box::new(joint)),
         term("bending", Some(unbent), &|| Box::new(bending)),
         term("tracking of rotation, damped", None, &|| Box::new(rotation)),

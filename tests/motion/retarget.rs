@@ -17,6 +17,7 @@ pub fn smpl() -> Skeleton {
         parents: clip.parents,
         joints: clip.rest_joints.unwrap(),
         aliases: Vec::new(),
+        limits: Vec::new(),
     }
 }
 

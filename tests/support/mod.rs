@@ -100,6 +100,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         name: "limb".into(),
         skeleton: Skeleton {
             aliases: Vec::new(),
+            limits: Vec::new(),
             names: (0..bones).map(|j| format!("bone {j}")).collect(),
             parents: (0..bones)
                 .map(|j| j.checked_sub(1).map(|p| p as u32))

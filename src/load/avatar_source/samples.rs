@@ -34,12 +34,14 @@ impl Sample {
                 let sample = body()?;
                 let mut body = Body::of_model("body", &sample.model, &[], Vec::new());
                 body.painted.insert(SOFT.into(), map_of(&sample.soft));
+                body.skeleton.limits = sample.limits;
                 Ok((body, body_recipe()))
             }
             Self::Hand => {
                 let hand = hand()?;
                 let mut body = Body::of_model("hand", &hand.model, &[], hand.bones);
                 body.painted.insert(PALM.into(), map_of(&hand.palmar));
+                body.skeleton.limits = hand.limits;
                 Ok((body, hand_recipe()))
             }
         }

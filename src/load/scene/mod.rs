@@ -14,6 +14,7 @@ pub use read::{parse_scene, read_scene};
 use super::AvatarSource;
 use super::motion::TrackedMotion;
 use crate::Result;
+use crate::bake::{JointLimitKey, set_limits};
 use crate::collider::Shape;
 use crate::material::Material;
 use crate::model::Avatar;
@@ -54,6 +55,9 @@ pub struct Scene {
     /// Bones that are drawn to a motion by springs.
     #[serde(default)]
     pub targets: Vec<Target>,
+    /// Ranges of joints, in place of those that the avatar has.
+    #[serde(default)]
+    pub limits: Vec<JointLimitKey>,
     /// A recorded or live motion that the bones are drawn to; `pins` and `targets` go before it.
     pub motion: Option<TrackedMotion>,
     /// What the skin touches.
@@ -267,13 +271,15 @@ impl Scene {
         self.steps as f64 * self.settings.time_step
     }
 
-    /// Gives `avatar` what the scene has in place of the baked: its tissue, and its bodies in addition.
+    /// Gives `avatar` what the scene has in place of the baked: its tissue, its joints' ranges, and its
+    /// bodies in addition.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] of a body; see [`Avatar::add_body`].
+    /// [`crate::Error::Invalid`] of a range ([`set_limits`]) or a body ([`Avatar::add_body`]).
     pub fn dress(&self, avatar: &mut Avatar) -> Result<()> {
         avatar.material = self.material.unwrap_or(avatar.material);
         avatar.damping_time = self.damping_time.unwrap_or(avatar.damping_time);
+        set_limits(&mut avatar.skeleton, &self.limits)?;
         (self.bodies.iter()).try_for_each(|body| avatar.add_body(body.rigid_body()?))
     }
 

@@ -162,6 +162,9 @@ impl Scene {
                 "must be 0 to 10 (no unit)",
             )?;
         }
+        for (i, key) in self.limits.iter().enumerate() {
+            key.range(&format!("limits[{i}]"))?;
+        }
         for (i, body) in self.bodies.iter().enumerate() {
             let of_body = |e: Error| match e {
                 Error::Invalid { field, problem } => {

@@ -26,7 +26,7 @@ mod trunk;
 mod weights;
 
 use crate::Result;
-use crate::model::{ParametricModel, SkinWeight};
+use crate::model::{JointRange, ParametricModel, SkinWeight};
 use crate::sample::pose_columns::pose_columns;
 use crate::sample::regressor::{joint_regressor, ring_share};
 use glam::DVec3;
@@ -44,6 +44,8 @@ pub struct SampleBody {
     /// For each vertex whether it lies on a soft part (belly, breast, buttocks, thighs, calves, upper
     /// arms, cheeks): where handles belong.
     pub soft: Vec<bool>,
+    /// How far each bone but the pelvis turns.
+    pub limits: Vec<(u32, JointRange)>,
 }
 
 /// How much a vertex belongs to the ring around joint `j`.
@@ -96,5 +98,8 @@ pub fn body() -> Result<SampleBody> {
         model,
         twin: skin.twin,
         soft,
+        limits: (1..anatomy::BONES)
+            .map(|j| (j as u32, poses::limit(j)))
+            .collect(),
     })
 }

@@ -2,6 +2,7 @@
 
 use super::anatomy::{BONES, NAMES, mirrored, mirrored_bone, parent};
 use crate::math::{Random, rotation_exp};
+use crate::model::JointRange;
 use crate::sample::pose_columns::Bends;
 use glam::{DMat3, DVec3};
 
@@ -25,6 +26,24 @@ fn range(joint: &str) -> [[f64; 2]; 3] {
         "wrist" => [[-10.0, 10.0], [-20.0, 20.0], [-60.0, 60.0]],
         // The fingers' roots.
         _ => [[-3.0, 3.0], [-3.0, 3.0], [-75.0, 15.0]],
+    }
+}
+
+/// The range that bone `j` turns in, about the body's axes.
+pub(super) fn limit(j: usize) -> JointRange {
+    /// Joints give way a little beyond what a body is posed to, degrees.
+    const SLACK: f64 = 10.0;
+    let (side, name) = NAMES[j].split_once('_').unwrap_or(("", NAMES[j]));
+    let ends = range(name).map(|[least, most]| [least - SLACK, most + SLACK].map(f64::to_radians));
+    // A rotation's mirror image keeps the part about x.
+    let ends = match side {
+        "right" => [ends[0], ends[1].map(|e| -e), ends[2].map(|e| -e)],
+        _ => ends,
+    };
+    JointRange::Axes {
+        axes: DMat3::IDENTITY,
+        least: DVec3::from_array(ends.map(|[a, b]| a.min(b))),
+        most: DVec3::from_array(ends.map(|[a, b]| a.max(b))),
     }
 }
 

@@ -26,7 +26,7 @@ pub(super) use anatomy::digits;
 pub(super) use shape::HandShape;
 
 use crate::Result;
-use crate::model::{ParametricModel, SkinWeight, Surface};
+use crate::model::{JointRange, ParametricModel, SkinWeight, Surface};
 use crate::sample::pose_columns::pose_columns;
 use crate::sample::regressor::{joint_regressor, ring_share};
 
@@ -44,6 +44,8 @@ pub struct SampleHand {
     /// For each skin vertex whether it lies on the soft palmar side (palm, eminences, finger pads):
     /// where handles belong.
     pub palmar: Vec<bool>,
+    /// How far each bone but the wrist turns.
+    pub limits: Vec<(u32, JointRange)>,
 }
 
 /// How much a vertex belongs to the ring around joint `j`.
@@ -100,6 +102,9 @@ pub fn hand() -> Result<SampleHand> {
         model,
         bones,
         palmar,
+        limits: (1..16)
+            .map(|j| (j as u32, poses::range(&digits, j)))
+            .collect(),
     })
 }
 
