@@ -6,6 +6,7 @@ use super::bone_mass::bone_masses;
 use super::cubature::{Cubature, Tissue};
 use super::handles::Handles;
 use super::interior::InteriorField;
+use super::local_tissue::local_tissue;
 use super::mesh::{MeshQuality, MeshReport};
 use super::points::{basis_at_tets, basis_on_skin, skinning_at_tets};
 use super::report::{
@@ -128,6 +129,8 @@ pub fn bake(
     let attached = followed(body);
     let (skin, triangles) = with_attachments(body, skin, &attached);
 
+    let layer_tissue = local_tissue(body, &field, &node_skinning, &recipe.stiffness)?;
+
     clock.start(5);
     let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
     let seconds = clock.finish();
@@ -147,7 +150,9 @@ pub fn bake(
         attached,
         drawn: body.drawn.clone(),
         material,
-        tissue: Vec::new(),
+        tissue: (cubature.tets.iter())
+            .map(|&t| layer_tissue[t as usize])
+            .collect(),
         density: recipe.density,
         damping_time: recipe.damping_time,
         captured_under_gravity: recipe.captured_under_gravity,
@@ -158,7 +163,7 @@ pub fn bake(
             skinning: node_skinning,
             basis,
             skin_embedding: layer.skin_embedding.clone(),
-            tissue: Vec::new(),
+            tissue: layer_tissue,
         },
         bodies: Vec::new(),
     };
@@ -191,6 +196,7 @@ pub fn bake(
         cubature: cubature.report,
         material,
         material_chosen: recipe.material.is_none(),
+        stiffness: stiffness_spread(&avatar),
         tissue_mass: avatar.tissue_mass(),
         bones,
         notes: Vec::new(),
@@ -200,6 +206,17 @@ pub fn bake(
         },
     };
     Ok((avatar, report))
+}
+
+/// Least, mean over the tissue's volume and greatest factor on the stiffness.
+fn stiffness_spread(avatar: &Avatar) -> [f64; 3] {
+    let values = || avatar.tissue.iter().map(|t| t.stiffness);
+    let weights = &avatar.cubature.measure;
+    let sum: f64 = values().zip(weights).map(|(s, w)| s * w).sum();
+    let (least, greatest) = values().fold((f64::INFINITY, 0.0_f64), |(low, high), s| {
+        (low.min(s), high.max(s))
+    });
+    [least, sum / weights.iter().sum::<f64>(), greatest]
 }
 
 /// A node of no tet would be a handle without stiffness.

@@ -25,19 +25,12 @@ pub(super) fn candidates(
     field: &str,
 ) -> Result<Vec<Candidate>> {
     let layer = &body.layer;
-    let painted = painted(body, region, field)?;
-    let bones = region
-        .bones
-        .iter()
-        .map(|name| {
-            let bone = body.skeleton.find(name).map(|b| b as u32);
-            bone.ok_or_else(|| {
-                let names = body.skeleton.names.join(", ");
-                let problem = format!("no bone is called {name:?}; there are {names}");
-                Error::invalid(format!("{field}.bones"), problem)
-            })
-        })
-        .collect::<Result<Vec<u32>>>()?;
+    let painted = (region.painted.as_ref())
+        .map(|name| body.painted_map(name, &format!("{field}.painted")))
+        .transpose()?;
+    let bones = body
+        .skeleton
+        .named(&region.bones, &format!("{field}.bones"))?;
     let on_bones = |row: &[SkinWeight]| {
         let heaviest = row.iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
         bones.is_empty() || heaviest.is_some_and(|w| bones.contains(&w.bone))
@@ -116,24 +109,6 @@ pub(super) fn candidates(
             .iter()
             .map(|&p| point(body, p.into(), field))
             .collect(),
-    }
-}
-
-/// The map that `region` names.
-fn painted<'a>(body: &'a Body, region: &HandleRegion, field: &str) -> Result<Option<&'a [f64]>> {
-    let Some(name) = &region.painted else {
-        return Ok(None);
-    };
-    match body.painted.get(name) {
-        Some(map) => Ok(Some(map)),
-        None => {
-            let names: Vec<&str> = body.painted.keys().map(String::as_str).collect();
-            let problem = match names[..] {
-                [] => format!("no map {name:?}: the body has none; give one under [painted]"),
-                _ => format!("no map {name:?}; there are {}", names.join(", ")),
-            };
-            Err(Error::invalid(format!("{field}.painted"), problem))
-        }
     }
 }
 

@@ -72,9 +72,20 @@ impl<'a> InteriorField<'a> {
         on_bone: impl Fn(usize, u32) -> f64 + Sync + Send,
         take: impl Fn(usize, &[f64]) -> T + Sync + Send,
     ) -> Vec<T> {
+        self.extend_from(count, on_skin, |field, _, bone| on_bone(field, bone), take)
+    }
+
+    /// [`InteriorField::extend`] of what differs between the nodes of a bone: `on_bone` gets field, node and bone.
+    pub fn extend_from<T: Send>(
+        &self,
+        count: usize,
+        on_skin: impl Fn(usize, u32) -> f64 + Sync + Send,
+        on_bone: impl Fn(usize, u32, u32) -> f64 + Sync + Send,
+        take: impl Fn(usize, &[f64]) -> T + Sync + Send,
+    ) -> Vec<T> {
         let held = |field: usize| -> Vec<f64> {
-            let mut values: Vec<f64> = (self.bone_of_node.iter())
-                .map(|bone| bone.map_or(0.0, |b| on_bone(field, b)))
+            let mut values: Vec<f64> = (self.bone_of_node.iter().enumerate())
+                .map(|(n, bone)| bone.map_or(0.0, |b| on_bone(field, n as u32, b)))
                 .collect();
             for (node, value) in self.held.skin_values(|v| on_skin(field, v)) {
                 values[node as usize] = value;

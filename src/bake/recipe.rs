@@ -1,6 +1,8 @@
 //! What a bake is asked for.
 
-use super::{BasisEnergy, CubatureMethod, HandleRegion, JointLimitKey, Mesher, Truncation};
+use super::{
+    BasisEnergy, CubatureMethod, HandleRegion, JointLimitKey, Mesher, StiffnessRegion, Truncation,
+};
 use crate::material::Material;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -12,6 +14,8 @@ pub struct Recipe {
     /// What the tissue is made of. Without it a stable neo-Hookean tissue, as soft as makes a brisk shake (±5 cm at
     /// 3 Hz) shear the layer's deep parts by some 20 % and move them by about 12 mm at most.
     pub material: Option<Material>,
+    /// Where the tissue is stiffer or softer than that.
+    pub stiffness: Vec<StiffnessRegion>,
     /// Density of tissue and bones, kg/m³.
     pub density: f64,
     /// Stiffness-proportional damping β, s.
@@ -63,6 +67,7 @@ impl Default for Recipe {
     fn default() -> Self {
         Self {
             material: None,
+            stiffness: Vec::new(),
             density: 1000.0,
             damping_time: 0.002,
             captured_under_gravity: true,
@@ -89,6 +94,9 @@ impl Recipe {
                 .ok_or_else(|| Error::invalid(field, format!("must be positive{unit}, is {value}")))
         };
         self.material.iter().try_for_each(Material::validate)?;
+        for (r, region) in self.stiffness.iter().enumerate() {
+            region.validate(&format!("stiffness[{r}]"))?;
+        }
         positive(self.density, "density", " (kg/m³)")?;
         positive(
             self.cubature.points_per_handle,

@@ -40,6 +40,8 @@ pub struct BakeReport {
     pub material: Material,
     /// Whether the bake chose the material.
     pub material_chosen: bool,
+    /// Factor on its stiffness by the recipe's regions: least, mean over the volume, greatest, of the cubature points.
+    pub stiffness: [f64; 3],
     /// Mass of the tissue, kg.
     pub tissue_mass: f64,
     /// The bones' masses.

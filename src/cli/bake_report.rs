@@ -206,6 +206,13 @@ pub fn print_bake_report(r: &BakeReport) {
         ("cubature", cubature(&r.cubature)),
         ("material", format!("{}{}", r.material, chosen(r.material_chosen))),
     ]);
+    let [least, mean, greatest] = r.stiffness;
+    if least != greatest {
+        rows.push((
+            "  stiffness",
+            format!("× {least:.2} to {greatest:.2}, mean {mean:.2}"),
+        ));
+    }
     if r.basis.loose_tets > 0 {
         rows.push((
             "loose tets",

@@ -44,6 +44,8 @@ struct Contents {
     most_handles_of_a_vertex: usize,
     most_handles_of_a_point: usize,
     material: crate::material::Material,
+    /// Factor on its stiffness: least and greatest over the cubature points.
+    stiffness: [f64; 2],
     /// What the bake did.
     bake: Option<BakeReport>,
 }
@@ -76,6 +78,7 @@ impl Contents {
             most_handles_of_a_vertex: avatar.skin.basis.longest(),
             most_handles_of_a_point: avatar.cubature.basis.longest(),
             material: avatar.material,
+            stiffness: stiffness(avatar),
             bake,
         }
     }
@@ -129,8 +132,20 @@ impl Contents {
                 "handles of a point",
                 format!("at most {}", self.most_handles_of_a_point),
             ),
+            (
+                "stiffness",
+                format!("× {:.2} to {:.2}", self.stiffness[0], self.stiffness[1]),
+            ),
         ]);
     }
+}
+
+/// Least and greatest factor on the stiffness.
+fn stiffness(avatar: &Avatar) -> [f64; 2] {
+    let values = (0..avatar.cubature.len()).map(|i| avatar.tissue_at(i).local.stiffness);
+    values.fold([f64::INFINITY, 0.0], |[low, high], s| {
+        [low.min(s), high.max(s)]
+    })
 }
 
 impl Arguments {

@@ -98,7 +98,7 @@ impl Arguments {
 }
 
 /// What a recipe's lines mean, by how they begin.
-const COMMENTS: [(&str, &str); 14] = [
+const COMMENTS: [(&str, &str); 15] = [
     ("model =", "The character file."),
     ("mesh =", "Tets around one bone."),
     ("sample =", "A body that supple makes itself."),
@@ -124,6 +124,10 @@ const COMMENTS: [(&str, &str); 14] = [
     (
         "[bake.material",
         "Pa. Without it the bake chooses a tissue that sways visibly.",
+    ),
+    (
+        "[[bake.stiffness]]",
+        "Where tissue is `scale` times as stiff: `bones`, `within` a box, a `painted` map.",
     ),
     (
         "[[bake.handles]]",

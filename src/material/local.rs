@@ -36,14 +36,14 @@ impl LocalTissue {
 /// A material at a point. With its axes G and its stiffness s, Ψ(F) = s Ψ_material(Gᵀ F G): materials do not see a
 /// turn of the space they move in, so that Gᵀ F G, which stays near I with F, stands for F G.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tissue<'a> {
+pub struct MaterialPoint<'a> {
     /// The avatar's material, in its own axes.
     pub material: &'a Material,
     /// What the point has of its own.
     pub local: LocalTissue,
 }
 
-impl Tissue<'_> {
+impl MaterialPoint<'_> {
     /// G, where the material sees it.
     fn axes(&self) -> Option<DMat3> {
         (!self.material.is_isotropic()).then(|| DMat3::from_quat(self.local.axes))
@@ -82,7 +82,7 @@ impl Tissue<'_> {
         self.outward(deformation_gradient, |f| self.material.tangent(f))
     }
 
-    /// [`Tissue::tangent`] with its negative eigenvalues set to 0, Pa.
+    /// [`MaterialPoint::tangent`] with its negative eigenvalues set to 0, Pa.
     pub fn projected_tangent(&self, deformation_gradient: DMat3) -> Mat9 {
         self.outward(deformation_gradient, |f| self.material.projected_tangent(f))
     }

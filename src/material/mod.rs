@@ -1,14 +1,14 @@
 //! What tissue is made of: one file a material with Ψ, P = ∂Ψ/∂F and ∂P/∂F in f64, and the names of
 //! its kernels.
 //!
-//! [`Material`] answers in the material's own axes; [`Tissue`] is a material at a point of a body, with the stiffness and
+//! [`Material`] answers in the material's own axes; [`MaterialPoint`] is a material at a point of a body, with the stiffness and
 //! the axes that it has there ([`LocalTissue`]).
 
 mod local;
 mod orthotropic;
 mod stable_neo_hookean;
 
-pub use local::{LocalTissue, Tissue};
+pub use local::{LocalTissue, MaterialPoint};
 pub use orthotropic::Orthotropic;
 pub use stable_neo_hookean::StableNeoHookean;
 
@@ -102,8 +102,8 @@ impl Material {
     }
 
     /// The material where the tissue is `local`.
-    pub fn at(&self, local: LocalTissue) -> Tissue<'_> {
-        Tissue {
+    pub fn at(&self, local: LocalTissue) -> MaterialPoint<'_> {
+        MaterialPoint {
             material: self,
             local,
         }

@@ -3,7 +3,7 @@
 use super::{
     BoneMass, DrawnPart, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh,
 };
-use crate::material::{LocalTissue, Material, Tissue};
+use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -90,8 +90,14 @@ impl Avatar {
     }
 
     /// The material at cubature point `i`.
-    pub fn tissue_at(&self, i: usize) -> Tissue<'_> {
+    pub fn tissue_at(&self, i: usize) -> MaterialPoint<'_> {
         let local = self.tissue.get(i).copied().unwrap_or_default();
+        self.material.at(local)
+    }
+
+    /// The material of tet `t` of the layer.
+    pub fn tissue_of_tet(&self, t: usize) -> MaterialPoint<'_> {
+        let local = self.layer.tissue.get(t).copied().unwrap_or_default();
         self.material.at(local)
     }
 

@@ -134,6 +134,21 @@ impl Body {
         }
     }
 
+    /// The painted map `name`; `field` is where the name stands, for errors.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there is none.
+    pub fn painted_map(&self, name: &str, field: &str) -> Result<&[f64]> {
+        self.painted.get(name).map(Vec::as_slice).ok_or_else(|| {
+            let names: Vec<&str> = self.painted.keys().map(String::as_str).collect();
+            let problem = match names[..] {
+                [] => format!("no map {name:?}: the body has none; give one under [painted]"),
+                _ => format!("no map {name:?}; there are {}", names.join(", ")),
+            };
+            Error::invalid(field, problem)
+        })
+    }
+
     /// Makes everything `factor` times as large.
     pub fn scale(&mut self, factor: f64) {
         let surfaces = self.bone_surfaces.iter_mut();

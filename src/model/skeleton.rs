@@ -39,6 +39,21 @@ impl Skeleton {
         (self.names.iter().position(|n| n == name)).or_else(|| alias().map(|(_, j)| *j as usize))
     }
 
+    /// The bones of these names; `field` is where they stand, for errors.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where one is not there.
+    pub fn named(&self, names: &[String], field: &str) -> Result<Vec<u32>> {
+        let bone = |name: &String| {
+            self.find(name).map(|b| b as u32).ok_or_else(|| {
+                let known = self.names.join(", ");
+                let problem = format!("no bone is called {name:?}; there are {known}");
+                Error::invalid(field, problem)
+            })
+        };
+        names.iter().map(bone).collect()
+    }
+
     /// The first `count` bones alone.
     pub fn first(&self, count: usize) -> Self {
         let known = |alias: &&(String, u32)| (alias.1 as usize) < count;

@@ -7,7 +7,7 @@
 //! with C⁺ the tangent projected to positive semi-definite and Cⁿ = C⁺(Fⁿ).
 
 use super::Basis;
-use crate::material::Tissue;
+use crate::material::MaterialPoint;
 use crate::math::{Mat9, contract};
 use glam::{DMat3, DVec3};
 
@@ -32,7 +32,7 @@ pub struct Damping<'a> {
 
 /// P, Pa, with the damping's part.
 pub fn stress(
-    tissue: Tissue<'_>,
+    tissue: MaterialPoint<'_>,
     deformation_gradient: DMat3,
     damping: Option<Damping<'_>>,
 ) -> DMat3 {
@@ -45,7 +45,7 @@ pub fn stress(
 
 /// w C, J: the projected tangent with the damping's part, times the cubature weight.
 pub fn tangent(
-    tissue: Tissue<'_>,
+    tissue: MaterialPoint<'_>,
     deformation_gradient: DMat3,
     damping: Option<Damping<'_>>,
     weight: f64,

@@ -8,7 +8,7 @@
 //! contact  ½ k a (δ + δ_base)(δ − δ_base)
 //! ```
 
-use crate::material::Tissue;
+use crate::material::MaterialPoint;
 use crate::math::{Mat9, contract, double_dot};
 use crate::potential::Energies;
 use glam::{DMat3, DVec3};
@@ -24,7 +24,7 @@ pub fn gravity(mass: f64, tissue_gravity: DVec3, change: DVec3) -> f64 {
 }
 
 /// J; F = `base`, ΔF = `change`.
-pub fn elastic(tissue: Tissue<'_>, weight: f64, base: DMat3, change: DMat3) -> f64 {
+pub fn elastic(tissue: MaterialPoint<'_>, weight: f64, base: DMat3, change: DMat3) -> f64 {
     weight * tissue.energy_difference(base, change)
 }
 

@@ -14,8 +14,8 @@ use crate::reference::Basis;
 use glam::DMat3;
 
 /// C = ∂P/∂F at F = I in tet `t`, Pa.
-pub(super) fn rest_tangent(avatar: &Avatar, _t: usize) -> Mat9 {
-    avatar.material.tangent(DMat3::IDENTITY)
+pub(super) fn rest_tangent(avatar: &Avatar, t: usize) -> Mat9 {
+    avatar.tissue_of_tet(t).tangent(DMat3::IDENTITY)
 }
 
 /// K_ab, N/m, of each tet between its nodes: `block[a][b]`.

@@ -3,7 +3,7 @@
 
 use super::bound::{abs, abs_cofactor, abs_determinant, abs_trace};
 use supple::glam::{DMat3, DVec3};
-use supple::material::{Material, Orthotropic, Tissue};
+use supple::material::{Material, MaterialPoint, Orthotropic};
 use supple::math::double_dot;
 
 fn size(m: DMat3) -> f64 {
@@ -20,7 +20,7 @@ fn by_entries(a: DMat3, b: DMat3) -> DMat3 {
 
 /// Magnitudes at a point from |H| and, for energies, |D|.
 pub struct Magnitudes<'a> {
-    tissue: Tissue<'a>,
+    tissue: MaterialPoint<'a>,
     mu: f64,
     kappa: f64,
     h: DMat3,
@@ -42,7 +42,7 @@ struct Fibres {
 }
 
 impl Fibres {
-    fn new(m: &Orthotropic, tissue: &Tissue<'_>, h: DMat3, abs_h: DMat3) -> Self {
+    fn new(m: &Orthotropic, tissue: &MaterialPoint<'_>, h: DMat3, abs_h: DMat3) -> Self {
         let axes = DMat3::from_quat(tissue.local.axes);
         let roots = |d: [f64; 3]| {
             let r = DVec3::from_array(d.map(f64::sqrt));
@@ -87,7 +87,7 @@ impl Fibres {
 
 impl<'a> Magnitudes<'a> {
     /// At `tissue` with H = `h`, whose terms sum to `abs_h` in absolute value.
-    pub fn new(tissue: Tissue<'a>, h: DMat3, abs_h: DMat3) -> Self {
+    pub fn new(tissue: MaterialPoint<'a>, h: DMat3, abs_h: DMat3) -> Self {
         let [mu, lambda, ..] = tissue.material.parameters();
         Self {
             tissue,
