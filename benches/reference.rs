@@ -58,6 +58,7 @@ fn bench(criterion: &mut Criterion) {
             current: &current,
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,
+            slip_speed: 1e-3,
         };
         let states: [State; 1] = [state];
         let mut out = [Evaluation::default()];

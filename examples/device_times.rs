@@ -46,6 +46,7 @@ fn main() -> supple::Result<()> {
             current,
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,
+            slip_speed: 1e-3,
         };
         pollster::block_on(async {
             potential.begin_step(&[start], &[true]).await?;

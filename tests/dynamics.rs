@@ -154,6 +154,7 @@ fn refining_the_time_step_converges_at_first_order() -> Result<()> {
             joint_stiffness: 2e3,
             limit_stiffness: 0.0,
             bending_stiffness: 1.0,
+            ..Settings::default()
         };
         let mut simulation = simulation(&avatar, settings);
         let instance = &mut simulation.instances_mut()[0];

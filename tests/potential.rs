@@ -5,7 +5,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::material::{Material, StableNeoHookean};
 use supple::math::{Random, Rows};
-use supple::model::{Avatar, BasisEntry, Frame, State};
+use supple::model::{Avatar, BasisEntry, Frame, PoseBlend, State};
 use supple::potential::{Evaluation, Potential, StepStart, Trial};
 use supple::reference::{GeneralBasis, HessianForm, Reference};
 use supple::sample::{random_avatar, random_state};
@@ -20,6 +20,7 @@ struct Case {
     time_step: f64,
     tissue_gravity: DVec3,
     colliders: Vec<Collider>,
+    slip_speed: f64,
 }
 
 fn soft(youngs_modulus: f64) -> Material {
@@ -45,6 +46,39 @@ fn colliders(random: &mut Random) -> Vec<Collider> {
     Shape::examples().into_iter().map(place).collect()
 }
 
+/// The same, rough and on the move.
+fn rough(random: &mut Random) -> Vec<Collider> {
+    let mut colliders = colliders(random);
+    for collider in &mut colliders {
+        let (shift, turn) = (random.vector(1e-5), random.vector(3e-4));
+        collider.previous = collider.frame.moved(shift, turn);
+        collider.friction = random.uniform(0.2, 1.0);
+    }
+    colliders
+}
+
+/// The same, every other one fixed to the frame `carrier`, which stands at the avatar's place.
+fn carried(random: &mut Random, carrier: u32) -> Vec<Collider> {
+    let mut colliders = rough(random);
+    for collider in colliders.iter_mut().step_by(2) {
+        collider.carrier = Some(carrier);
+        collider.frame.position -= DVec3::new(1.0, 2.0, 3.0);
+    }
+    colliders
+}
+
+/// `avatar` with a frame more: a free body without tissue.
+fn with_body(mut avatar: Avatar) -> Avatar {
+    avatar.skeleton.names.push("body".into());
+    avatar.skeleton.parents.push(None);
+    avatar.skeleton.joints.push(DVec3::new(0.01, -0.02, 0.03));
+    avatar.bone_masses.push(avatar.bone_masses[0]);
+    avatar.cubature.pose_blend = PoseBlend::default();
+    avatar.skin.pose_blend = PoseBlend::default();
+    avatar.validate().unwrap();
+    avatar
+}
+
 fn cases() -> Vec<Case> {
     let random = &mut Random::new(11);
     let avatar = |density: f64, material: Material, damping_time: f64| Avatar {
@@ -60,6 +94,7 @@ fn cases() -> Vec<Case> {
         time_step,
         tissue_gravity,
         colliders,
+        slip_speed: 1e-3,
     };
     // A term is alone where the others' factors are made negligible.
     let none = 1e-15;
@@ -100,11 +135,36 @@ fn cases() -> Vec<Case> {
             colliders(random),
         ),
         case(
+            "friction",
+            avatar(none, soft(none), 0.0),
+            0.01,
+            DVec3::ZERO,
+            rough(random),
+        ),
+        Case {
+            slip_speed: 0.5,
+            ..case(
+                "friction that holds",
+                avatar(none, soft(none), 0.0),
+                0.01,
+                DVec3::ZERO,
+                rough(random),
+            )
+        },
+        case(
+            "carried",
+            with_body(avatar(none, soft(none), 0.0)),
+            0.01,
+            DVec3::ZERO,
+            carried(random, 3),
+        ),
+        case(
             "all",
-            avatar(1e3, soft(3e4), 0.02),
+            with_body(avatar(1e3, soft(3e4), 0.02)),
             0.01,
             gravity,
-            colliders(random),
+            // No crease and no vertex on the brink within a step of the differences.
+            carried(&mut Random::new(12), 3),
         ),
     ]
 }
@@ -120,7 +180,8 @@ impl Case {
         let mut step = |size: f64| -> Vec<f64> {
             (0..3 * base.space().blocks())
                 .map(|k| {
-                    let rotation = k / 3 < 6 && k / 3 % 2 == 1;
+                    let frames = 2 * self.avatar.skeleton.len();
+                    let rotation = k / 3 < frames && k / 3 % 2 == 1;
                     random.uniform(-1.0, 1.0) * size * if rotation { 20.0 } else { 1.0 }
                 })
                 .collect()
@@ -141,6 +202,7 @@ impl Case {
             current,
             colliders: &self.colliders,
             tissue_gravity: self.tissue_gravity,
+            slip_speed: self.slip_speed,
         };
         let count = potential.instances();
         block_on(potential.begin_step(&vec![start; count], &vec![true; count])).unwrap();
@@ -181,9 +243,9 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |a, x| f64::max(a, x.abs()))
 }
 
-/// Sizes of the steps of differences: rounding and the third derivative balance near 1e-5 of a length
-/// of some cm.
-const STEP: f64 = 1e-6;
+/// Sizes of the steps of differences: 1e-5 of a length of some cm, and below 1e-2 of the slips, whose third
+/// derivative is the largest.
+const STEP: f64 = 2e-7;
 
 #[test]
 fn evaluated_energy_is_the_difference_from_the_start_of_the_step() {
@@ -279,5 +341,66 @@ fn a_basis_that_is_not_scalar_has_true_derivatives_too() {
         }));
         let error = (DMat3::from_cols_array(block) - dense).to_cols_array();
         assert!(largest(error) < 1e-12 * scale);
+    }
+}
+
+/// What friction adds to contact: the difference of a run with it and one without.
+#[test]
+fn friction_alone_has_true_derivatives() {
+    for slip_speed in [1e-3, 0.5] {
+        let random = &mut Random::new(41);
+        let mut case = cases().pop().unwrap();
+        case.colliders = carried(random, 3);
+        case.slip_speed = slip_speed;
+        let mut with = case.reference();
+        case.colliders.iter_mut().for_each(|c| c.friction = 0.0);
+        let mut without = case.reference();
+        let [_, current, state] = case.states();
+
+        let smooth = evaluate(&mut without, &state);
+        assert_eq!(smooth.energies.friction, 0.0);
+        let mut alone = |state: &State| {
+            let (a, b) = (evaluate(&mut with, state), evaluate(&mut without, state));
+            let gradient = a.gradient.iter().zip(&b.gradient);
+            let gradient: Vec<f64> = gradient.map(|(a, b)| a - b).collect();
+            (a.energies.friction, gradient)
+        };
+        let (energy, gradient) = alone(&state);
+        assert!(energy > 0.0 && alone(&current).0 == 0.0);
+        let dofs = gradient.len();
+        let scale = largest(gradient.iter().copied());
+        assert!(scale > 1e-3, "{scale}");
+        let mut columns = Vec::new();
+        for k in 0..dofs {
+            let e = unit(dofs, k);
+            let (ahead, behind) = (
+                alone(&state.moved(&e, STEP)),
+                alone(&state.moved(&e, -STEP)),
+            );
+            let expected = (ahead.0 - behind.0) / (2.0 * STEP);
+            assert!(
+                (gradient[k] - expected).abs() < 2e-6 * scale,
+                "{k}: {} against {expected}",
+                gradient[k]
+            );
+            let pairs = ahead.1.iter().zip(&behind.1);
+            let column: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
+            columns.push(column);
+        }
+        let hessian = |form| {
+            let [a, b] = [&with, &without].map(|p| p.dense_hessian(0, &state, form).unwrap());
+            faer::Mat::from_fn(dofs, dofs, |i, k| a[i][k] - b[i][k])
+        };
+        let (exact, solver) = (hessian(HessianForm::Exact), hessian(HessianForm::Solver));
+        let scale = exact.norm_max();
+        for i in 0..dofs {
+            for k in 0..=i {
+                let expected = 0.5 * (columns[k][i] + columns[i][k]);
+                let error = (exact[(i, k)] - expected).abs();
+                assert!(error < 1e-5 * scale, "({i}, {k}): {expected}");
+            }
+        }
+        let eigenvalues = solver.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+        assert!(eigenvalues[0] > -1e-11 * scale && eigenvalues[dofs - 1] > 1e-3 * scale);
     }
 }

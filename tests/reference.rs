@@ -33,6 +33,7 @@ fn start<'a>(previous: &'a State, current: &'a State, colliders: &'a [Collider])
         current,
         colliders,
         tissue_gravity: DVec3::ZERO,
+        slip_speed: 1e-3,
     }
 }
 

@@ -214,40 +214,46 @@ impl Collider {
         }
     }
 
-    /// The collider in world space, its carrier being one of the system's `frames`.
-    pub fn carried(&self, frames: &[Frame]) -> Self {
-        let carrier = self.carrier.and_then(|j| frames.get(j as usize));
-        let frame = match carrier {
-            Some(c) => Frame {
-                rotation: c.rotation * self.frame.rotation,
-                position: c.transform(self.frame.position),
-            },
+    /// Where it stands at the end of the step, the system's frames being `frames`.
+    pub fn place(&self, frames: &[Frame]) -> Frame {
+        match self.carrier {
             None => self.frame,
-        };
-        Self { frame, ..*self }
-    }
-
-    /// Distance and normal at a world point, the collider standing at the end of the step.
-    pub fn signed_distance(&self, point: DVec3) -> SignedDistance {
-        let local = self
-            .shape
-            .signed_distance(self.frame.inverse_transform(point));
-        SignedDistance {
-            distance: local.distance,
-            normal: self.frame.rotation * local.normal,
+            Some(carrier) => frames[carrier as usize].compose(&self.frame),
         }
     }
 
-    /// ∇²d at a world point, 1/m.
-    pub fn curvature(&self, point: DVec3) -> DMat3 {
-        let r = self.frame.rotation;
-        r * self.shape.curvature(self.frame.inverse_transform(point)) * r.transpose()
+    /// Where it stood at the start of the step, the system's frames being `frames` then.
+    pub fn previous_place(&self, frames: &[Frame]) -> Frame {
+        match self.carrier {
+            None => self.previous,
+            Some(_) => self.place(frames),
+        }
     }
 
-    /// The collider seen from `origin`: both frames shifted by −origin.
+    /// Distance and normal at a world point, the collider standing at `place`.
+    pub fn signed_distance(&self, place: &Frame, point: DVec3) -> SignedDistance {
+        let local = self.shape.signed_distance(place.inverse_transform(point));
+        SignedDistance {
+            distance: local.distance,
+            normal: place.rotation * local.normal,
+        }
+    }
+
+    /// ∇²d at a world point, 1/m, the collider standing at `place`.
+    pub fn curvature(&self, place: &Frame, point: DVec3) -> DMat3 {
+        let r = place.rotation;
+        r * self.shape.curvature(place.inverse_transform(point)) * r.transpose()
+    }
+
+    /// The collider seen from `origin`: both frames shifted by −origin, unless they are its carrier's.
     pub fn relative_to(&self, origin: DVec3) -> Self {
+        let shift = if self.carrier.is_none() {
+            origin
+        } else {
+            DVec3::ZERO
+        };
         let shifted = |frame: Frame| Frame {
-            position: frame.position - origin,
+            position: frame.position - shift,
             ..frame
         };
         Self {

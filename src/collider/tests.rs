@@ -133,12 +133,12 @@ fn a_collider_measures_in_its_own_frame() {
         let collider = Collider::new(shape, frame);
         collider.validate().unwrap();
         let local = random.vector(0.05);
-        let world = collider.signed_distance(frame.transform(local));
+        let world = collider.signed_distance(&frame, frame.transform(local));
         let own = shape.signed_distance(local);
         assert!((world.distance - own.distance).abs() < 1e-15);
         assert!(world.normal.distance(frame.rotation * own.normal) < 1e-12);
         let shifted = collider.relative_to(frame.position);
-        let relative = shifted.signed_distance(frame.rotation * local);
+        let relative = shifted.signed_distance(&shifted.frame, frame.rotation * local);
         assert!((relative.distance - own.distance).abs() < 1e-15);
     }
 }

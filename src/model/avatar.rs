@@ -106,6 +106,20 @@ impl Avatar {
         (self.body_vertices(0).start).saturating_sub(self.attached.len())
     }
 
+    /// The frames that may carry colliders: those without a parent that move no tissue.
+    pub fn carriers(&self) -> Vec<u32> {
+        let mut has_tissue = vec![false; self.skeleton.len()];
+        for w in self.cubature.skinning.entries() {
+            has_tissue[w.bone as usize] = true;
+        }
+        let parents = self.skeleton.parents.iter().zip(&has_tissue);
+        (0u32..)
+            .zip(parents)
+            .filter(|(_, (parent, tissue))| parent.is_none() && !**tissue)
+            .map(|(frame, _)| frame)
+            .collect()
+    }
+
     /// Mass of the tissue, kg.
     pub fn tissue_mass(&self) -> f64 {
         self.density * self.cubature.measure.iter().sum::<f64>()

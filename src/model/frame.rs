@@ -30,6 +30,14 @@ impl Frame {
         self.rotation.transpose() * (point - self.position)
     }
 
+    /// World placement of what stands at `inner` in this frame.
+    pub fn compose(&self, inner: &Self) -> Self {
+        Self {
+            rotation: self.rotation * inner.rotation,
+            position: self.transform(inner.position),
+        }
+    }
+
     /// c + δc and exp(\[δω\]) R, orthonormalised so that long runs do not drift off SO(3).
     pub fn moved(&self, translation: DVec3, rotation_vector: DVec3) -> Self {
         let rotation = rotation_exp(rotation_vector) * self.rotation;

@@ -1,6 +1,6 @@
 //! The incremental potential of backward Euler, as Newton sees it.
 //!
-//! `E(q) = E_inertia + E_gravity + E_elastic + E_damping + E_contact` of the tissue. The bones' own
+//! `E(q) = E_inertia + E_gravity + E_elastic + E_damping + E_contact + E_friction` of the tissue. The bones' own
 //! terms are in [`crate::skeleton`]. Two implementations: the f64 evaluation in
 //! [`crate::reference`](mod@crate::reference) and the WGSL kernels in `stage`.
 
@@ -8,9 +8,9 @@ mod pattern;
 
 pub use pattern::{BlockPattern, point_blocks};
 
-use crate::Result;
 use crate::collider::Collider;
 use crate::model::{Space, State};
+use crate::{Error, Result};
 use glam::DVec3;
 use serde::Serialize;
 use std::future::Future;
@@ -24,10 +24,38 @@ pub struct StepStart<'a> {
     pub previous: &'a State,
     /// qⁿ: its pose gives x̄ for the whole step, and energies are measured from it.
     pub current: &'a State,
-    /// Colliders, each with its frame at tⁿ and at tⁿ⁺¹.
+    /// Colliders, each with its frame at tⁿ and at tⁿ⁺¹. Only [`Avatar::carriers`](crate::model::Avatar::carriers)
+    /// may carry one.
     pub colliders: &'a [Collider],
     /// Gravity on the tissue's displacement, m/s²; zero where the rest shape already sags.
     pub tissue_gravity: DVec3,
+    /// ε_v, m/s: friction holds against slower slip only in part, see [`crate::reference::friction`].
+    pub slip_speed: f64,
+}
+
+impl StepStart<'_> {
+    /// Checks the colliders, who carries them, and ε_v.
+    pub fn validate_contact(&self, carriers: &[u32]) -> Result<()> {
+        if !(self.slip_speed > 0.0 && self.slip_speed.is_finite()) {
+            return Err(Error::invalid(
+                "slip_speed",
+                format!("{}; must be positive (m/s)", self.slip_speed),
+            ));
+        }
+        for collider in self.colliders {
+            collider.validate()?;
+            if let Some(carrier) = collider.carrier.filter(|c| !carriers.contains(c)) {
+                return Err(Error::invalid(
+                    "collider.carrier",
+                    format!(
+                        "frame {carrier} cannot carry a collider: only frames without a parent \
+                         that move no tissue can"
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The energies of the tissue, J. In an [`Evaluation`] each is E(q) − E(qⁿ).
@@ -63,7 +91,7 @@ pub struct Evaluation {
     pub gradient: Vec<f64>,
     /// The solver's Hessian: the blocks of [`BlockPattern`] in order, each 3×3 column by column.
     pub hessian: Vec<[f64; 9]>,
-    /// Sum of the contact forces on the skin, N, in world axes.
+    /// Sum of the contact and friction forces on the skin, N, in world axes.
     pub contact_force: DVec3,
     /// Active contacts.
     pub contacts: usize,

@@ -17,8 +17,10 @@ pub(super) struct Asset<B> {
     pub cubature_incidence: Incidence,
     pub skin: Points<B>,
     pub skin_incidence: Incidence,
-    /// Blocks of a skin vertex at most.
+    /// Blocks of a skin vertex at most, and the two of a carrier.
     pub lever_stride: usize,
+    /// Frames that may carry colliders.
+    pub carriers: Vec<u32>,
     pub vertex_triangles: Rows<[u32; 2]>,
     pub contact_capacity: usize,
 }
@@ -34,12 +36,15 @@ impl<B: Basis> Asset<B> {
         let space = avatar.space();
         let cubature = Points::new("cubature", space, &avatar.cubature.skinning, cubature)?;
         let skin = Points::new("skin", space, &avatar.skin.skinning, skin)?;
-        let pattern =
-            BlockPattern::from_blocks(space, &[&cubature.blocks(space), &skin.blocks(space)]);
+        let carriers = avatar.carriers();
+        let skin_blocks = skin.blocks(space);
+        let pattern = BlockPattern::from_blocks(space, &[&cubature.blocks(space), &skin_blocks])
+            .with_carriers(&carriers, &skin_blocks);
         Ok(Self {
             cubature_incidence: cubature.incidence(&pattern),
             skin_incidence: skin.incidence(&pattern),
-            lever_stride: 2 * skin.skinning.longest() + skin.basis.longest(),
+            lever_stride: 2 * skin.skinning.longest() + skin.basis.longest() + 2,
+            carriers,
             vertex_triangles: vertex_triangles(skin.len(), &avatar.triangles),
             avatar,
             space,

@@ -14,90 +14,50 @@ pub struct Candidate {
     pub normal: DVec3,
 }
 
-/// What a side of a contact moves with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactSide {
-    /// A vertex of the skin: with the bones and handles of its rows.
-    Skin {
-        /// Which vertex.
-        vertex: u32,
-    },
-    /// A point fixed to a collider: with the collider's frame.
-    Collider {
-        /// Which collider.
-        collider: u32,
-    },
-}
-
-/// An active contact. Side 0 is pushed along `normal`, side 1 against it.
+/// One direction in which a contact of a skin vertex with a collider acts. With z the vertex's place
+/// seen from the collider, E changes by f (e · δz) + ½ k (e · δz)², so that a contact is one row
+/// ℓ = (∂z/∂q)ᵀ e: gradient f ℓ, Hessian k ℓ ℓᵀ. The push along n is a row, friction is two.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// The two bodies.
-    pub sides: [ContactSide; 2],
-    /// Outward unit normal of side 1.
-    pub normal: DVec3,
-    /// δ, m.
-    pub depth: f64,
-    /// k a, N/m.
+pub struct ContactRow {
+    /// The skin vertex: the side that moves with its bones and handles.
+    pub vertex: u32,
+    /// The frame that carries the collider: the other side; none where its motion is given.
+    pub carrier: Option<u32>,
+    /// e, a unit vector in world axes.
+    pub direction: DVec3,
+    /// f = ∂E/∂(e · z), N: the vertex is pushed by −f e.
+    pub force: f64,
+    /// k, N/m, not negative.
     pub stiffness: f64,
 }
 
-impl Contact {
-    /// k a δ, N.
-    pub fn force(&self) -> f64 {
-        self.stiffness * self.depth
-    }
-}
-
-/// How a point of one side moves: x = Σ w_f (frame f) with handles in it, as every material point does.
-#[derive(Clone, Copy, Debug)]
-pub struct SideMotion<'a, B> {
-    /// Frames, bones first, then one for each collider. A frame that is no DoF of the system is kinematic.
-    pub frames: &'a [SkinWeight],
-    /// Handles.
-    pub handles: &'a [B],
-}
-
-impl<B: Basis> SideMotion<'_, B> {
-    /// ℓ_b = ±Jᵀ_b n of every block b that the side has, in local order: c and ω of each frame below
-    /// `dynamic`, then the handles. The energy's gradient is −k a δ ℓ, its Hessian k a ℓ ℓᵀ.
-    pub fn levers(
-        &self,
-        dynamic: usize,
-        joints: &[DVec3],
-        frames: &[Frame],
-        unposed: DVec3,
-        normal: DVec3,
-        out: &mut [DVec3],
-    ) {
-        let mut out = out.iter_mut();
-        let mut push = |lever| {
-            if let Some(slot) = out.next() {
-                *slot = lever;
-            }
-        };
-        let mut pulled = DVec3::ZERO;
-        for w in self.frames.iter().filter(|w| (w.bone as usize) < dynamic) {
-            let j = w.bone as usize;
-            let rotation = frames[j].rotation;
-            let arm = w.weight * (rotation * (unposed - joints[j]));
-            push(w.weight * normal);
-            push(arm.cross(normal));
-            pulled += w.weight * (rotation.transpose() * normal);
-        }
-        for n in self.handles {
-            push(n.pull_back(pulled));
+impl ContactRow {
+    /// The push of a contact with k a = `stiffness`: along n with f = −k a δ.
+    pub fn normal(candidate: &Candidate, stiffness: f64, vertex: u32, collider: &Collider) -> Self {
+        Self {
+            vertex,
+            carrier: collider.carrier,
+            direction: candidate.normal,
+            force: -(stiffness * candidate.depth),
+            stiffness,
         }
     }
 }
 
-/// δ and n at `point`, both relative to the instance's origin.
-pub fn contact(point: DVec3, collider: &Collider) -> Candidate {
-    let found = collider.signed_distance(point);
+/// δ and n at `point`, the collider standing at `place`; both relative to the instance's origin.
+pub fn contact(point: DVec3, collider: &Collider, place: &Frame) -> Candidate {
+    let found = collider.signed_distance(place, point);
     Candidate {
         depth: (collider.margin - found.distance).max(0.0),
         normal: found.normal,
     }
+}
+
+/// Whether a vertex with these bones may touch `collider`: nothing touches what its own frame carries.
+pub fn may_touch(skinning: &[SkinWeight], collider: &Collider) -> bool {
+    collider
+        .carrier
+        .is_none_or(|carrier| skinning.iter().all(|w| w.bone != carrier))
 }
 
 /// Where a skin vertex is, relative to the instance's origin, m; `unposed` is T.
@@ -108,4 +68,33 @@ pub fn contact_point(
     unposed: DVec3,
 ) -> DVec3 {
     displacement::position(skinning, joints, frames, unposed)
+}
+
+/// ℓ of the vertex's own blocks, in local order: c_j: w_j e, ω_j: a_j × e, φ_h: N_hᵀ Bᵀ e. `unposed` is T.
+pub fn skin_levers<B: Basis>(
+    (skinning, basis): (&[SkinWeight], &[B]),
+    joints: &[DVec3],
+    frames: &[Frame],
+    unposed: DVec3,
+    direction: DVec3,
+    out: &mut [DVec3],
+) {
+    let (of_frames, of_handles) = out.split_at_mut(2 * skinning.len());
+    let mut pulled = DVec3::ZERO;
+    for (w, out) in skinning.iter().zip(of_frames.chunks_exact_mut(2)) {
+        let j = w.bone as usize;
+        let rotation = frames[j].rotation;
+        let arm = w.weight * (rotation * (unposed - joints[j]));
+        out[0] = w.weight * direction;
+        out[1] = arm.cross(direction);
+        pulled += w.weight * (rotation.transpose() * direction);
+    }
+    for (n, out) in basis.iter().zip(of_handles) {
+        *out = n.pull_back(pulled);
+    }
+}
+
+/// ℓ of the carrier's blocks: z moves by −δc − δω × r with r = x − c, so c: −e, ω: −r × e.
+pub fn carrier_levers(carrier: &Frame, point: DVec3, direction: DVec3) -> [DVec3; 2] {
+    [-direction, -(point - carrier.position).cross(direction)]
 }

@@ -1,10 +1,11 @@
 //! The Hessian as a dense matrix, made without the gathers: for tests and diagnostics.
 
-use super::contact::{Candidate, ContactSide};
+use super::contact::{ContactRow, carrier_levers};
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
 use super::gradient::point_force;
-use super::{Basis, Motion, Reference, compact::compact};
+use super::step::Touching;
+use super::{Basis, Motion, Reference, compact::compact, friction};
 use crate::Result;
 use crate::math::{Mat9, skew};
 use crate::model::{Frame, SkinWeight, State};
@@ -44,6 +45,7 @@ impl<B: Basis> Reference<B> {
                 joints,
                 frames: &motion.frames,
                 unposed: start.unposed + change,
+                carrier: None,
             };
             let inertia = DMat3::from_diagonal(DVec3::splat(mass / (h * h)));
             body.add_gauss_newton(inertia, &mut dense);
@@ -68,41 +70,59 @@ impl<B: Basis> Reference<B> {
             body.add_elastic(weight, &tangent, &mut dense);
         }
 
-        let (mut candidates, mut contacts) = (Vec::<Candidate>::new(), Vec::new());
-        step.contact(asset, &motion, &mut candidates);
+        let (mut touching, mut rows) = (Touching::default(), Vec::new());
+        step.contact(asset, &motion, &mut touching);
         let areas = &avatar.skin.measure;
+        let colliders = &step.colliders;
         compact(
-            &candidates,
+            &touching.candidates,
             areas,
-            &step.colliders,
+            colliders,
             usize::MAX,
-            &mut contacts,
+            &mut rows,
         );
-        for contact in &contacts {
-            let [
-                ContactSide::Skin { vertex },
-                ContactSide::Collider { collider },
-            ] = contact.sides
-            else {
-                continue;
-            };
-            let v = vertex as usize;
-            let body = Body {
+        for k in 0..step.lagged.len() {
+            let change = step.slip_change(asset, k, &step.current.handles, &motion);
+            let slip = step.slip(k, step.start_slip(k) + change, &motion);
+            rows.extend(friction::rows(&step.lagged[k], &slip, step.smoothing));
+        }
+        let side = |row: &ContactRow| {
+            let v = row.vertex as usize;
+            Body {
                 blocks: asset.skin_incidence.blocks(v),
                 skinning: asset.skin.skinning.row(v),
                 basis: asset.skin.basis.row(v),
                 joints: &avatar.skeleton.joints,
                 frames: &motion.frames,
                 unposed: step.skin_unposed(asset, v, &motion.handles),
-            };
-            let n = contact.normal;
-            let mut k = DMat3::from_cols(n * n.x, n * n.y, n * n.z) * contact.stiffness;
-            if form == HessianForm::Exact {
-                let collider = &step.colliders[collider as usize];
-                k -= collider.curvature(body.position()) * contact.force();
-                body.add_geometric(-contact.force() * n, &mut dense);
+                carrier: row.carrier,
             }
+        };
+        for row in &rows {
+            let (body, e) = (side(row), row.direction);
+            let k = DMat3::from_cols(e * e.x, e * e.y, e * e.z) * row.stiffness;
             body.add_gauss_newton(k, &mut dense);
+            if form == HessianForm::Exact {
+                body.add_geometric(row.force * e, &mut dense);
+            }
+        }
+        if form == HessianForm::Exact {
+            // −k a δ ∇²d of every candidate.
+            for (index, candidate) in touching.candidates.iter().enumerate() {
+                let (v, k) = (index / colliders.len(), index % colliders.len());
+                if candidate.depth > 0.0 {
+                    let collider = &colliders[k];
+                    let row = ContactRow::normal(
+                        candidate,
+                        collider.stiffness * areas[v],
+                        v as u32,
+                        collider,
+                    );
+                    let body = side(&row);
+                    let curvature = collider.curvature(&touching.places[k], body.position());
+                    body.add_gauss_newton(curvature * row.force, &mut dense);
+                }
+            }
         }
         Ok(dense.rows)
     }
@@ -128,7 +148,7 @@ impl Dense {
     }
 }
 
-/// A material point of the system.
+/// A material point of the system, or its place z seen from a frame of the system.
 struct Body<'a, B> {
     blocks: &'a [u32],
     skinning: &'a [SkinWeight],
@@ -136,6 +156,7 @@ struct Body<'a, B> {
     joints: &'a [DVec3],
     frames: &'a [Frame],
     unposed: DVec3,
+    carrier: Option<u32>,
 }
 
 impl<B: Basis> Body<'_, B> {
@@ -155,27 +176,40 @@ impl<B: Basis> Body<'_, B> {
         out
     }
 
-    /// J of every block, in local order.
+    /// Its blocks in local order, then the carrier's c and ω.
+    fn blocks(&self) -> Vec<u32> {
+        let carrier = self.carrier.into_iter().flat_map(|c| [2 * c, 2 * c + 1]);
+        self.blocks.iter().copied().chain(carrier).collect()
+    }
+
+    /// ∂z/∂q of every block, in local order.
     fn jacobian(&self) -> Vec<DMat3> {
         let blended = blended_rotation(self.skinning, self.frames);
         let weights = self.skinning.iter().zip(self.arms());
         let frames =
             weights.flat_map(|(w, arm)| [DMat3::from_diagonal(DVec3::splat(w.weight)), -skew(arm)]);
         let handles = self.basis.iter().map(|n| blended * n.value());
-        frames.chain(handles).collect()
+        let carrier = self.carrier.into_iter().flat_map(|c| {
+            // Rows of the Jacobian are the levers of the axes.
+            let rows =
+                DVec3::AXES.map(|e| carrier_levers(&self.frames[c as usize], self.position(), e));
+            [0, 1].map(|b| DMat3::from_cols(rows[0][b], rows[1][b], rows[2][b]).transpose())
+        });
+        frames.chain(handles).chain(carrier).collect()
     }
 
     /// Jᵀ K J.
     fn add_gauss_newton(&self, k: DMat3, dense: &mut Dense) {
-        let jacobian = self.jacobian();
-        for (&row, a) in self.blocks.iter().zip(&jacobian) {
-            for (&column, b) in self.blocks.iter().zip(&jacobian) {
+        let (blocks, jacobian) = (self.blocks(), self.jacobian());
+        for (&row, a) in blocks.iter().zip(&jacobian) {
+            for (&column, b) in blocks.iter().zip(&jacobian) {
                 dense.add(row, column, a.transpose() * k * *b);
             }
         }
     }
 
-    /// fᵀ ∂²x/∂q²: (ω_j, ω_j) is ½ (f a_jᵀ + a_j fᵀ) − (f·a_j) I, (ω_j, φ_h) is −w_j \[f\]× R_j N_h.
+    /// fᵀ ∂²z/∂q²: (ω_j, ω_j) is ½ (f a_jᵀ + a_j fᵀ) − (f·a_j) I, (ω_j, φ_h) is −w_j \[f\]× R_j N_h. Seen
+    /// from a carrier z = exp(−\[δω\]) (x − c): (ω, ω) is as a bone's with r = x − c, (ω, b) is \[f\]× ∂z/∂q_b.
     fn add_geometric(&self, f: DVec3, dense: &mut Dense) {
         for (k, (w, a)) in self.skinning.iter().zip(self.arms()).enumerate() {
             let omega = self.blocks[2 * k + 1];
@@ -188,6 +222,20 @@ impl<B: Basis> Body<'_, B> {
                 let mixed = -(skew(f) * rotation * n.value()) * w.weight;
                 dense.add(omega, phi, mixed);
                 dense.add(phi, omega, mixed.transpose());
+            }
+        }
+        if let Some(carrier) = self.carrier {
+            let r = self.position() - self.frames[carrier as usize].position;
+            let omega = 2 * carrier + 1;
+            let outer = DMat3::from_cols(f * r.x, f * r.y, f * r.z);
+            let dot = DMat3::from_diagonal(DVec3::splat(f.dot(r)));
+            dense.add(omega, omega, (outer + outer.transpose()) * 0.5 - dot);
+            for (block, j) in self.blocks().into_iter().zip(self.jacobian()) {
+                if block != omega {
+                    let mixed = skew(f) * j;
+                    dense.add(omega, block, mixed);
+                    dense.add(block, omega, mixed.transpose());
+                }
             }
         }
     }

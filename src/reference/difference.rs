@@ -28,14 +28,27 @@ impl Instance {
         });
         let mut energies = energy::sum(&self.energies);
 
-        step.contact(asset, to_base, &mut self.base_candidates);
-        step.contact(asset, to_state, &mut self.candidates);
-        let pairs = self.base_candidates.iter().zip(&self.candidates);
+        step.contact(asset, to_base, &mut self.base_touching);
+        step.contact(asset, to_state, &mut self.touching);
+        let (before, after) = (&self.base_touching, &self.touching);
+        let pairs = before.candidates.iter().zip(&after.candidates);
         let colliders = step.colliders.len().max(1);
         for (k, (before, after)) in pairs.enumerate() {
             let stiffness = step.colliders[k % colliders].stiffness;
             let area = asset.avatar.skin.measure[k / colliders];
             energies.contact += energy::contact(stiffness * area, before.depth, after.depth);
+        }
+        for (k, lagged) in step.lagged.iter().enumerate() {
+            let to = step.slip_change(asset, k, &step.current.handles, to_base);
+            let before = step.slip(k, step.start_slip(k) + to, to_base);
+            let change = step.slip_change(asset, k, &base.handles, to_state);
+            let after = step.slip(k, before.displacement + change, to_state);
+            energies.friction += energy::friction(
+                lagged.limit,
+                step.smoothing,
+                before.length(),
+                after.length(),
+            );
         }
         energies
     }

@@ -6,8 +6,10 @@
 //! elastic  w (Ψ(F + ΔF) − Ψ(F))
 //! damping  w β/(2h) ΔF : Cⁿ : (ΔF + 2 (F − Fⁿ))
 //! contact  ½ k a (δ + δ_base)(δ − δ_base)
+//! friction μ λ (f₀(|u_T|) − f₀(|u_T,base|))
 //! ```
 
+use super::friction::smoothed_difference;
 use crate::material::MaterialPoint;
 use crate::math::{Mat9, contract, double_dot};
 use crate::potential::Energies;
@@ -37,6 +39,11 @@ pub fn damping(weight: f64, rate: f64, tangent: &Mat9, change: DMat3, since_star
 /// J; `stiffness` is k a.
 pub fn contact(stiffness: f64, base_depth: f64, depth: f64) -> f64 {
     0.5 * stiffness * (depth + base_depth) * (depth - base_depth)
+}
+
+/// J; `limit` is μ λ, ε = `smoothing`, |u_T| = `length`.
+pub fn friction(limit: f64, smoothing: f64, base_length: f64, length: f64) -> f64 {
+    limit * smoothed_difference(base_length, length, smoothing)
 }
 
 /// The sum, in order.

@@ -2,15 +2,16 @@
 //! or block rows.
 
 use super::asset::Asset;
-use super::contact::{Candidate, Contact, ContactSide, SideMotion};
+use super::contact::{ContactRow, carrier_levers, contact_point, skin_levers};
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::drawn::Drawn;
+use super::friction::{self, Slip};
 use super::gradient::point_force;
 use super::hessian::{ContactRows, gather_contacts, gather_points};
 use super::point_hessian::{PointTerms, PointView};
-use super::step::{POINT_GRAIN, Step};
+use super::step::{POINT_GRAIN, Step, Touching};
 use super::{Basis, Motion, compact::compact, elasticity, energy};
-use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_split};
+use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_split};
 use crate::model::State;
 use crate::potential::{Energies, Evaluation, EvaluationTimings, StepStart};
 use crate::{Error, Result};
@@ -27,8 +28,8 @@ pub(super) struct Instance {
     pub base_motion: Motion,
     feature: Vec<f64>,
     pub drawn: Drawn,
-    pub candidates: Vec<Candidate>,
-    pub base_candidates: Vec<Candidate>,
+    pub touching: Touching,
+    pub base_touching: Touching,
     pub energies: Vec<Energies>,
     /// Time of the current step's evaluations: `force` is what is done point by point, with the tangents,
     /// `hessian` the gather into block rows, with the gradient.
@@ -36,7 +37,8 @@ pub(super) struct Instance {
     terms: Vec<PointTerms>,
     arms: Vec<DVec3>,
     tangents: Vec<Mat9>,
-    contacts: Vec<Contact>,
+    slips: Vec<Slip>,
+    contacts: Vec<ContactRow>,
     levers: Vec<DVec3>,
     contact_rows: ContactRows,
     gradient: Vec<DVec3>,
@@ -51,13 +53,14 @@ impl Instance {
             base_motion: Motion::default(),
             feature: Vec::new(),
             drawn: Drawn::default(),
-            candidates: Vec::new(),
-            base_candidates: Vec::new(),
+            touching: Touching::default(),
+            base_touching: Touching::default(),
             energies: vec![Energies::default(); points],
             timings: EvaluationTimings::default(),
             terms: vec![PointTerms::default(); points],
             arms: vec![DVec3::ZERO; asset.cubature.skinning.entries().len()],
             tangents: vec![[[0.0; 9]; 9]; points],
+            slips: Vec::new(),
             contacts: Vec::with_capacity(asset.contact_capacity),
             levers: Vec::with_capacity(asset.contact_capacity * asset.lever_stride),
             contact_rows: ContactRows::default(),
@@ -68,9 +71,9 @@ impl Instance {
     pub fn begin_step<B: Basis>(&mut self, asset: &Asset<B>, start: &StepStart<'_>) {
         let watch = Stopwatch::start();
         let (motion, feature) = (&mut self.motion, &mut self.feature);
-        let (candidates, drawn) = (&mut self.candidates, &self.drawn);
+        let (touching, drawn) = (&mut self.touching, &self.drawn);
         self.step
-            .begin(asset, start, motion, feature, candidates, drawn);
+            .begin(asset, start, motion, feature, touching, drawn);
         self.timings = EvaluationTimings {
             force: watch.ms(),
             ..EvaluationTimings::default()
@@ -82,11 +85,12 @@ impl Instance {
         let watch = Stopwatch::start();
         let step = &self.step;
         self.motion.set(&step.current, state, step.origin);
-        step.contact(asset, &self.motion, &mut self.candidates);
+        step.contact(asset, &self.motion, &mut self.touching);
         let areas = &asset.avatar.skin.measure;
-        let (candidates, colliders) = (&self.candidates, &step.colliders);
+        let (candidates, colliders) = (&self.touching.candidates, &step.colliders);
         let capacity = asset.contact_capacity;
         out.contacts = compact(candidates, areas, colliders, capacity, &mut self.contacts);
+        self.evaluate_slips(asset);
         self.evaluate_points(asset);
         self.evaluate_levers(asset);
         self.timings.force += watch.ms();
@@ -96,12 +100,15 @@ impl Instance {
         self.timings.hessian += watch.ms();
 
         out.energies = energy::sum(&self.energies);
-        out.energies.contact =
-            self.step.sum_contact_energy(asset, &self.candidates) - self.step.contact_energy;
+        out.energies.contact = self
+            .step
+            .sum_contact_energy(asset, &self.touching.candidates)
+            - self.step.contact_energy;
+        out.energies.friction = self.friction_energy();
         out.gradient.clear();
         out.gradient
             .extend(self.gradient.iter().flat_map(|g| g.to_array()));
-        out.contact_force = self.contacts.iter().map(|c| c.force() * c.normal).sum();
+        out.contact_force = self.contacts.iter().map(|c| -c.force * c.direction).sum();
     }
 
     /// Whether the last evaluation saw all contacts and is finite.
@@ -141,29 +148,53 @@ impl Instance {
         });
     }
 
+    /// The slip of every lagged contact, and its rows behind the normals'.
+    fn evaluate_slips<B: Basis>(&mut self, asset: &Asset<B>) {
+        let (step, motion) = (&self.step, &self.motion);
+        self.slips.resize(step.lagged.len(), Slip::default());
+        par_each(&mut self.slips, CONTACT_GRAIN, |k, out| {
+            let change = step.slip_change(asset, k, &step.current.handles, motion);
+            *out = step.slip(k, step.start_slip(k) + change, motion);
+        });
+        for (lagged, slip) in step.lagged.iter().zip(&self.slips) {
+            self.contacts
+                .extend(friction::rows(lagged, slip, step.smoothing));
+        }
+    }
+
+    /// Σ μ λ (f₀(|u_T|) − f₀ at qⁿ), J.
+    fn friction_energy(&self) -> f64 {
+        let step = &self.step;
+        let pairs = step.lagged.iter().zip(&self.slips).enumerate();
+        pairs
+            .map(|(k, (lagged, slip))| {
+                let start = Slip {
+                    displacement: step.start_slip(k),
+                    ..*slip
+                };
+                energy::friction(lagged.limit, step.smoothing, start.length(), slip.length())
+            })
+            .sum()
+    }
+
     fn evaluate_levers<B: Basis>(&mut self, asset: &Asset<B>) {
         let (step, motion, contacts) = (&self.step, &self.motion, &self.contacts);
         let stride = asset.lever_stride;
         self.levers.resize(contacts.len() * stride, DVec3::ZERO);
+        let (frames, joints) = (&motion.frames, &asset.avatar.skeleton.joints);
         let parts = Strided::new(stride, &mut self.levers);
         par_split(contacts.len(), CONTACT_GRAIN, parts, |k, out| {
-            for side in contacts[k].sides {
-                // A collider's frame is kinematic: no block moves it.
-                if let ContactSide::Skin { vertex } = side {
-                    let v = vertex as usize;
-                    let side = SideMotion {
-                        frames: asset.skin.skinning.row(v),
-                        handles: asset.skin.basis.row(v),
-                    };
-                    side.levers(
-                        asset.space.frames,
-                        &asset.avatar.skeleton.joints,
-                        &motion.frames,
-                        step.skin_unposed(asset, v, &motion.handles),
-                        contacts[k].normal,
-                        out,
-                    );
-                }
+            let contact = &contacts[k];
+            let (v, direction) = (contact.vertex as usize, contact.direction);
+            let skinning = asset.skin.skinning.row(v);
+            let side = (skinning, asset.skin.basis.row(v));
+            let unposed = step.skin_unposed(asset, v, &motion.handles);
+            let (of_skin, of_carrier) = out.split_at_mut(2 * side.0.len() + side.1.len());
+            skin_levers(side, joints, frames, unposed, direction, of_skin);
+            if let Some(carrier) = contact.carrier {
+                let point = contact_point(skinning, joints, frames, unposed);
+                let levers = carrier_levers(&frames[carrier as usize], point, direction);
+                of_carrier[..2].copy_from_slice(&levers);
             }
         });
         self.contact_rows
@@ -194,7 +225,7 @@ impl Instance {
                 &self.contact_rows,
                 row,
                 &self.contacts,
-                &asset.skin_incidence,
+                (&asset.skin_incidence, &asset.pattern),
                 levers,
                 force,
                 out,

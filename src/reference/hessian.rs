@@ -3,10 +3,11 @@
 //! Blocks of points are made where they are needed ([`hessian_row`]) and not stored: a hand's would
 //! be 12 kB a point.
 
-use super::contact::{Contact, ContactSide};
+use super::contact::ContactRow;
 use super::gradient::gradient;
 use super::point_hessian::{PointView, hessian_row};
 use super::{Basis, Incidence};
+use crate::potential::BlockPattern;
 use glam::{DMat3, DVec3};
 
 /// Adds the points' parts of block row `row` to its gradient and its packed blocks.
@@ -61,7 +62,7 @@ pub struct ContactRows {
 
 impl ContactRows {
     /// Sorts (contact, local block) by block row, contacts rising within a row.
-    pub fn fill(&mut self, contacts: &[Contact], skin: &Incidence, rows: usize) {
+    pub fn fill(&mut self, contacts: &[ContactRow], skin: &Incidence, rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 2, 0);
         for_each_block(contacts, skin, |_, _, block| self.starts[block + 2] += 1);
@@ -83,41 +84,59 @@ impl ContactRows {
     }
 }
 
-fn for_each_block(contacts: &[Contact], skin: &Incidence, mut f: impl FnMut(u32, u32, usize)) {
-    for (k, contact) in contacts.iter().enumerate() {
-        // A collider's frame is no DoF yet: only the skin's side has blocks.
-        if let ContactSide::Skin { vertex } = contact.sides[0] {
-            for (local, &block) in skin.blocks(vertex as usize).iter().enumerate() {
-                f(k as u32, local as u32, block as usize);
-            }
+/// The blocks of each contact: the vertex's own in local order, then the carrier's c and ω.
+fn for_each_block(contacts: &[ContactRow], skin: &Incidence, mut f: impl FnMut(u32, u32, usize)) {
+    for (contact, k) in contacts.iter().zip(0..) {
+        let blocks = skin.blocks(contact.vertex as usize);
+        let carrier = contact.carrier.into_iter().flat_map(|c| [2 * c, 2 * c + 1]);
+        for (block, local) in blocks.iter().copied().chain(carrier).zip(0..) {
+            f(k, local, block as usize);
         }
     }
 }
 
-/// Adds the contacts' parts, −k a δ ℓ and k a ℓ_a ℓ_bᵀ, of block row `row`; `levers` holds `stride`
-/// for each contact: [`super::contact::SideMotion::levers`].
+/// Adds the contacts' parts, f ℓ and k ℓ_a ℓ_bᵀ, of block row `row`; `levers` holds `stride` for each
+/// contact: the vertex's ([`super::contact::skin_levers`]), then the carrier's.
 pub fn gather_contacts(
     rows: &ContactRows,
     row: usize,
-    contacts: &[Contact],
-    skin: &Incidence,
+    contacts: &[ContactRow],
+    (skin, pattern): (&Incidence, &BlockPattern),
     (stride, levers): (usize, &[DVec3]),
     force: &mut DVec3,
     out: &mut [[f64; 9]],
 ) {
     for &(k, local) in rows.row(row) {
         let (contact, local) = (&contacts[k as usize], local as usize);
-        let ContactSide::Skin { vertex } = contact.sides[0] else {
+        let (vertex, levers) = (contact.vertex as usize, &levers[k as usize * stride..]);
+        let own = levers[local];
+        *force += contact.force * own;
+        let scaled = own * contact.stiffness;
+        let mut add_column = |target: usize, other: DVec3| {
+            let block = DMat3::from_cols(scaled * other.x, scaled * other.y, scaled * other.z);
+            add(&mut out[target], block);
+        };
+        let blocks = skin.blocks(vertex);
+        if local < blocks.len() {
+            for (&target, &other) in skin.targets(vertex, local).iter().zip(levers) {
+                add_column(target as usize, other);
+            }
+        } else {
+            // A frame's row has a block in every column.
+            for (&column, &other) in blocks.iter().zip(levers) {
+                if column as usize <= row {
+                    add_column(column as usize, other);
+                }
+            }
+        }
+        let Some(carrier) = contact.carrier else {
             continue;
         };
-        let levers = &levers[k as usize * stride..][..stride];
-        let own = levers[local];
-        *force -= contact.force() * own;
-        let scaled = own * contact.stiffness;
-        let targets = skin.targets(vertex as usize, local);
-        for (&target, other) in targets.iter().zip(levers) {
-            let block = DMat3::from_cols(scaled * other.x, scaled * other.y, scaled * other.z);
-            add(&mut out[target as usize], block);
+        let columns = pattern.columns().row(row);
+        for (column, &other) in (2 * carrier..2 * carrier + 2).zip(&levers[blocks.len()..]) {
+            if column as usize <= row {
+                add_column(columns.partition_point(|&c| c < column), other);
+            }
         }
     }
 }

@@ -16,6 +16,7 @@ pub mod elasticity;
 pub mod energy;
 mod evaluate;
 mod exact;
+pub mod friction;
 pub mod gradient;
 pub mod hessian;
 mod incidence;
@@ -132,7 +133,7 @@ impl<B: Basis> Reference<B> {
         if !start.tissue_gravity.is_finite() {
             return Err(Error::invalid("tissue_gravity", "is not finite"));
         }
-        start.colliders.iter().try_for_each(|c| c.validate())
+        start.validate_contact(&self.asset.carriers)
     }
 }
 

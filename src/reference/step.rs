@@ -1,15 +1,17 @@
 //! What an instance's step starts from: constant through its Newton iterations.
 
 use super::asset::Asset;
-use super::contact::{Candidate, contact, contact_point};
-use super::displacement::{displacement, unposed_displacement};
+use super::compact::lag;
+use super::contact::{Candidate, contact, contact_point, may_touch};
+use super::displacement::{FrameMotion, displacement, unposed_displacement};
 use super::drawn::Drawn;
 use super::elasticity::{Damping, displacement_gradient};
+use super::friction::{Lagged, Slip, carried};
 use super::pose_blend::pose_blend;
 use super::{Basis, Motion, energy};
 use crate::collider::Collider;
 use crate::math::{Mat9, Strided, par_each, par_join, par_split};
-use crate::model::{PointSet, State, pose_feature_into};
+use crate::model::{Frame, PointSet, State, pose_feature_into};
 use crate::potential::StepStart;
 use glam::{DMat3, DVec3};
 
@@ -28,6 +30,15 @@ pub(super) struct PointStart {
     pub deformation_gradient: DMat3,
 }
 
+/// The colliders in one state, and every skin vertex against each of them.
+#[derive(Default)]
+pub(super) struct Touching {
+    /// Where the colliders stand, relative to the instance's origin.
+    pub places: Vec<Frame>,
+    /// Vertex-major.
+    pub candidates: Vec<Candidate>,
+}
+
 /// The start of one instance's step.
 pub(super) struct Step {
     /// h, s; 0 before the first step.
@@ -38,6 +49,12 @@ pub(super) struct Step {
     /// β/h.
     pub damping_rate: f64,
     pub colliders: Vec<Collider>,
+    /// How each collider whose motion is given moves in this step.
+    collider_motions: Vec<FrameMotion>,
+    /// The contacts of qⁿ that rub.
+    pub lagged: Vec<Lagged>,
+    /// ε_v h, m.
+    pub smoothing: f64,
     /// qⁿ.
     pub current: State,
     pub points: Vec<PointStart>,
@@ -61,6 +78,9 @@ impl Step {
             tissue_gravity: DVec3::ZERO,
             damping_rate: 0.0,
             colliders: Vec::new(),
+            collider_motions: Vec::new(),
+            lagged: Vec::with_capacity(asset.contact_capacity),
+            smoothing: 0.0,
             current: asset.avatar.rest_state(),
             points: vec![PointStart::default(); points],
             damping_tangents: vec![[[0.0; 9]; 9]; if damped { points } else { 0 }],
@@ -78,7 +98,7 @@ impl Step {
         start: &StepStart<'_>,
         motion: &mut Motion,
         feature: &mut Vec<f64>,
-        candidates: &mut Vec<Candidate>,
+        touching: &mut Touching,
         drawn: &Drawn,
     ) {
         let avatar = &*asset.avatar;
@@ -89,6 +109,11 @@ impl Step {
         self.colliders.clear();
         let relative = start.colliders.iter().map(|c| c.relative_to(self.origin));
         self.colliders.extend(relative);
+        self.collider_motions.clear();
+        let moved = |c: &Collider| FrameMotion::new(&c.previous, &c.frame);
+        self.collider_motions
+            .extend(self.colliders.iter().map(moved));
+        self.smoothing = start.slip_speed * start.time_step;
         self.current.clone_from(start.current);
 
         pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);
@@ -102,8 +127,50 @@ impl Step {
         );
         motion.set(start.previous, start.current, self.origin);
         self.start_points(asset, &start.previous.handles, motion);
-        self.contact(asset, motion, candidates);
-        self.contact_energy = self.sum_contact_energy(asset, candidates);
+        self.lag_contacts(asset, motion, touching);
+        self.contact(asset, motion, touching);
+        self.contact_energy = self.sum_contact_energy(asset, &touching.candidates);
+    }
+
+    /// Lists the contacts at qⁿ with what was there at tⁿ and rubs.
+    fn lag_contacts<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        motion: &Motion,
+        touching: &mut Touching,
+    ) {
+        self.lagged.clear();
+        if self.colliders.iter().all(|c| c.friction == 0.0) {
+            return;
+        }
+        let frames = &motion.frames;
+        touching.places.clear();
+        let places = self.colliders.iter().map(|c| c.previous_place(frames));
+        touching.places.extend(places);
+        self.candidates(asset, motion, touching);
+        // From here on a place is that of the frame that a collider is fixed to: its own or its carrier's.
+        for (place, collider) in touching.places.iter_mut().zip(&self.colliders) {
+            if let Some(carrier) = collider.carrier {
+                *place = frames[carrier as usize];
+            }
+        }
+        let mut lagged = std::mem::take(&mut self.lagged);
+        let joints = &asset.avatar.skeleton.joints;
+        let point = |v: usize| {
+            let unposed = self.skin_unposed(asset, v, &motion.handles);
+            contact_point(asset.skin.skinning.row(v), joints, frames, unposed)
+        };
+        let areas = &asset.avatar.skin.measure;
+        let (candidates, places) = (&touching.candidates, &touching.places);
+        lag(
+            candidates,
+            areas,
+            &self.colliders,
+            places,
+            point,
+            &mut lagged,
+        );
+        self.lagged = lagged;
     }
 
     fn start_points<B: Basis>(&mut self, asset: &Asset<B>, previous: &[DVec3], motion: &Motion) {
@@ -142,14 +209,18 @@ impl Step {
         })
     }
 
-    /// Every skin vertex of the state in `motion` against every collider, vertex-major.
-    pub fn contact<B: Basis>(
-        &self,
-        asset: &Asset<B>,
-        motion: &Motion,
-        candidates: &mut Vec<Candidate>,
-    ) {
+    /// Every skin vertex of the state in `motion` against every collider at the end of the step.
+    pub fn contact<B: Basis>(&self, asset: &Asset<B>, motion: &Motion, touching: &mut Touching) {
+        touching.places.clear();
+        let places = self.colliders.iter().map(|c| c.place(&motion.frames));
+        touching.places.extend(places);
+        self.candidates(asset, motion, touching);
+    }
+
+    /// Every skin vertex against every collider at its place.
+    fn candidates<B: Basis>(&self, asset: &Asset<B>, motion: &Motion, touching: &mut Touching) {
         let stride = self.colliders.len();
+        let Touching { places, candidates } = touching;
         candidates.resize(stride * asset.skin.len(), Candidate::default());
         if stride == 0 {
             return;
@@ -163,11 +234,61 @@ impl Step {
                 return;
             }
             let unposed = self.skin_unposed(asset, v, &motion.handles);
-            let point = contact_point(asset.skin.skinning.row(v), joints, &motion.frames, unposed);
-            for (out, collider) in out.iter_mut().zip(&self.colliders) {
-                *out = contact(point, collider);
+            let skinning = asset.skin.skinning.row(v);
+            let point = contact_point(skinning, joints, &motion.frames, unposed);
+            for ((out, collider), place) in out.iter_mut().zip(&self.colliders).zip(&*places) {
+                *out = if may_touch(skinning, collider) {
+                    contact(point, collider, place)
+                } else {
+                    Candidate::default()
+                };
             }
         });
+    }
+
+    /// u of the lagged contact `k` at qⁿ, m: the collider's motion is ahead of the skin's.
+    pub fn start_slip(&self, k: usize) -> DVec3 {
+        let lagged = &self.lagged[k];
+        match lagged.carrier {
+            None => -carried(lagged, &self.collider_motions[lagged.collider as usize]),
+            Some(_) => DVec3::ZERO,
+        }
+    }
+
+    /// What `motion`, from a base with displacements `base`, adds to u of the lagged contact `k`, m.
+    pub fn slip_change<B: Basis>(
+        &self,
+        asset: &Asset<B>,
+        k: usize,
+        base: &[DVec3],
+        motion: &Motion,
+    ) -> DVec3 {
+        let lagged = &self.lagged[k];
+        let v = lagged.vertex as usize;
+        let moved = displacement(
+            asset.skin.skinning.row(v),
+            &asset.avatar.skeleton.joints,
+            &motion.motions,
+            self.skin_unposed(asset, v, base),
+            unposed_displacement(asset.skin.basis.row(v), &motion.handle_changes),
+        );
+        match lagged.carrier {
+            None => moved,
+            Some(carrier) => moved - carried(lagged, &motion.motions[carrier as usize]),
+        }
+    }
+
+    /// The lagged contact `k` with its u in the state of `motion`.
+    pub fn slip(&self, k: usize, displacement: DVec3, motion: &Motion) -> Slip {
+        let lagged = &self.lagged[k];
+        let rotation = match lagged.carrier {
+            None => self.collider_motions[lagged.collider as usize].rotation,
+            Some(carrier) => motion.frames[carrier as usize].rotation,
+        };
+        Slip {
+            displacement,
+            normal: rotation * lagged.normal,
+        }
     }
 
     /// T of skin vertex `v`, m.

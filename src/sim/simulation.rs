@@ -297,6 +297,7 @@ pub(super) fn tissue_start<'a>(
         previous: &instance.previous,
         current: &instance.state,
         colliders: &instance.colliders,
+        slip_speed: settings.slip_speed,
         // A captured shape already sags: the tissue's weight is then among the skeleton's terms.
         tissue_gravity: if captured_under_gravity {
             DVec3::ZERO

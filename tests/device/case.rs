@@ -66,6 +66,7 @@ pub fn start(case: &Case) -> StepStart<'_> {
         current: &case.current,
         colliders: &case.colliders,
         tissue_gravity: DVec3::new(0.0, 0.0, -9.81),
+        slip_speed: 1e-3,
     }
 }
 

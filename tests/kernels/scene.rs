@@ -133,6 +133,7 @@ impl Scene {
                 current: &current[i],
                 colliders: &colliders[i],
                 tissue_gravity: GRAVITY,
+                slip_speed: 1e-3,
             })
             .collect();
 

@@ -1,10 +1,10 @@
 //! What is measured in a run.
 
-use crate::collider::Collider;
 use crate::export::report::{Breakdown, Median, Report, Spread, percentile};
 use crate::export::skin_displacement;
 use crate::load::Scene;
 use crate::model::{Avatar, State};
+use crate::reference::contact::may_touch;
 use crate::reference::elasticity::displacement_gradient;
 use crate::reference::min_det_f;
 use crate::sim::{Instance, StepReport};
@@ -142,15 +142,14 @@ fn longest(vectors: impl Iterator<Item = DVec3>) -> f64 {
 
 /// Deepest place of the skin, and of bodies, inside a collider that is not their own, m.
 fn penetration(avatar: &Avatar, instance: &Instance, skin: &[DVec3]) -> f64 {
-    let deepest = |collider: &Collider| {
-        let there = collider.carried(&instance.state.frames);
-        let own =
-            |v: usize| avatar.skin.skinning.row(v).first().map(|w| w.bone) == collider.carrier;
-        let met = skin.iter().enumerate().filter(|(v, _)| !own(*v));
-        met.map(|(_, x)| -there.signed_distance(*x).distance)
-            .fold(0.0, f64::max)
-    };
-    instance.colliders.iter().map(deepest).fold(0.0, f64::max)
+    let depths = instance.colliders.iter().flat_map(|collider| {
+        let place = collider.place(&instance.state.frames);
+        let vertices = avatar.skin.skinning.iter().zip(skin);
+        vertices
+            .filter(|(bones, _)| may_touch(bones, collider))
+            .map(move |(_, x)| -collider.signed_distance(&place, *x).distance)
+    });
+    depths.fold(0.0, f64::max)
 }
 
 /// Σ w Ψ(F) over the cubature points, J.
