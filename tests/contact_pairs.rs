@@ -47,6 +47,7 @@ fn blocks(count: usize) -> Avatar {
             parents: vec![None; count],
             joints: vec![DVec3::ZERO; count],
             aliases: Vec::new(),
+            limits: Vec::new(),
         },
         bone_masses: vec![BoneMass { second_moment }; count],
         handles: Vec::new(),
@@ -258,7 +259,7 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
 #[test]
 fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
     let (avatar, mut state, ball) = pair(0.0);
-    state.frames[0].position.z = 0.033;
+    state.frames[0].position.z = 0.02;
     let mut potential = Reference::new(Arc::new(avatar.clone()), 1, 1000)?;
     let contacts = |potential: &mut Reference, ball: Collider| -> Result<usize> {
         let colliders = [ball];
@@ -275,7 +276,7 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
         block_on(potential.evaluate(&[state.clone()], &[true], &mut out))?;
         Ok(out[0].contacts)
     };
-    // The ball about its block would reach all that block's vertices but the corners.
+    // The ball reaches vertices of both blocks, and is carried by one of them.
     let kinematic = Collider {
         carrier: None,
         ..ball.clone()
@@ -285,7 +286,7 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
         contacts(&mut potential, kinematic)?,
     );
     assert!(
-        of_other > 0 && of_all == of_other + 21,
+        (1..=25).contains(&of_other) && of_all > 25,
         "{of_other} of {of_all}"
     );
     let limb = support::full_space_limb(&support::SMALL, 1, true);

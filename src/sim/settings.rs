@@ -63,13 +63,10 @@ pub struct Settings {
     pub joint_stiffness: f64,
     /// Initial k of the springs that keep each bone's rotation relative to its parent, N·m/rad.
     pub bending_stiffness: f64,
-<<<<<<< HEAD
     /// Initial k of the springs that keep joints within their ranges, N·m/rad.
     pub limit_stiffness: f64,
-=======
     /// ε_v, m/s: slower slip than this meets less than the whole friction, so that what rests creeps by it at most.
     pub slip_speed: f64,
->>>>>>> 6bb4c05 (Friction and carried colliders in the f64 evaluation)
 }
 
 impl Default for Settings {
@@ -79,11 +76,8 @@ impl Default for Settings {
             solver: SolverMode::OneIteration,
             joint_stiffness: 1e6,
             bending_stiffness: 10.0,
-<<<<<<< HEAD
             limit_stiffness: 1e3,
-=======
             slip_speed: 1e-3,
->>>>>>> 6bb4c05 (Friction and carried colliders in the f64 evaluation)
         }
     }
 }
@@ -106,11 +100,8 @@ impl Settings {
             self.bending_stiffness,
             "N·m/rad",
         )?;
-<<<<<<< HEAD
         not_negative("settings.limit_stiffness", self.limit_stiffness, "N·m/rad")?;
-=======
         positive("settings.slip_speed", self.slip_speed, "m/s")?;
->>>>>>> 6bb4c05 (Friction and carried colliders in the f64 evaluation)
         if let SolverMode::Converged {
             tolerance,
             max_iterations,

@@ -26,7 +26,11 @@ impl GpuPotential {
                 }
                 .into());
             }
-            start.colliders.iter().try_for_each(|c| c.validate())?;
+            start.validate_contact(&[])?;
+            if start.colliders.iter().any(|c| c.friction > 0.0) {
+                let problem = "only the f64 evaluation has friction so far";
+                return Err(Error::invalid("collider.friction", problem));
+            }
         }
         self.batch.clear();
         self.features.clear();

@@ -27,6 +27,9 @@ struct Setup {
     time_step: f64,
     tissue_gravity: DVec3,
     colliders: Vec<Collider>,
+    slip_speed: f64,
+    /// Whether there is a frame more: a body without tissue, which carries every other collider.
+    body: bool,
 }
 
 impl Default for Setup {
@@ -38,6 +41,8 @@ impl Default for Setup {
             time_step: 0.01,
             tissue_gravity: DVec3::ZERO,
             colliders: Vec::new(),
+            slip_speed: 1e-3,
+            body: false,
         }
     }
 }
@@ -114,6 +119,26 @@ pub fn terms() -> Vec<Term> {
             },
         ));
     }
+    let rough = |c: &Collider| Collider {
+        friction: 0.6,
+        previous: c
+            .frame
+            .moved(DVec3::new(1e-3, -5e-4, 8e-4), DVec3::new(0.02, 0.01, -0.03)),
+        ..c.clone()
+    };
+    let rough: Vec<_> = colliders.iter().map(rough).collect();
+    // Where all contacts slide, and where none does.
+    for (slip_speed, body) in [(1e-4, false), (1.0, false), (1e-4, true), (1.0, true)] {
+        terms.push(term(
+            &format!("contact and friction, ε_v = {slip_speed} m/s, carried: {body}"),
+            Setup {
+                colliders: rough.clone(),
+                slip_speed,
+                body,
+                ..Setup::default()
+            },
+        ));
+    }
     terms.push(term(
         "all of the tissue's",
         Setup {
@@ -145,20 +170,33 @@ struct Tissue {
 
 impl Tissue {
     fn new(setup: Setup) -> Self {
-        let avatar = Avatar {
+        let mut avatar = Avatar {
             density: setup.density,
             material: setup.material,
             damping_time: setup.damping_time,
             ..random_avatar(3, 3, 6, 12, 60)
         };
+        let mut colliders = setup.colliders;
+        if setup.body {
+            let carrier = avatar.skeleton.len() as u32;
+            avatar.skeleton.names.push("body".into());
+            avatar.skeleton.parents.push(None);
+            avatar.skeleton.joints.push(DVec3::new(0.01, -0.02, 0.03));
+            avatar.bone_masses.push(avatar.bone_masses[0]);
+            for collider in colliders.iter_mut().step_by(2) {
+                collider.carrier = Some(carrier);
+                collider.frame.position -= PLACE;
+            }
+        }
         let [previous, current, state] = states(&avatar);
         let mut potential = Reference::new(Arc::new(avatar), 1, 1000).unwrap();
         let start = StepStart {
             time_step: setup.time_step,
             previous: &previous,
             current: &current,
-            colliders: &setup.colliders,
+            colliders: &colliders,
             tissue_gravity: setup.tissue_gravity,
+            slip_speed: setup.slip_speed,
         };
         block_on(potential.begin_step(&[start], &[true])).unwrap();
         Self { potential, state }

@@ -6,7 +6,7 @@ use super::points::{abs_position, skin_roundings};
 use super::scene::{OPTIONS_COLLIDERS, OPTIONS_CONTACTS, Phase, Scene, vec};
 use supple::glam::DVec3;
 use supple::potential::point_blocks;
-use supple::reference::contact::{Candidate, Contact, ContactSide, SideMotion};
+use supple::reference::contact::{Candidate, ContactRow, skin_levers};
 use supple::reference::displacement::{arms, blended_rotation, unposed_displacement};
 use supple::reference::{compact as compact_twin, contact as contact_twin};
 use supple::stage::shared;
@@ -40,7 +40,7 @@ pub fn contact(scene: &Scene) -> Outcome {
                 // A vertex without an area touches nothing.
                 let want = match set.measure[i] {
                     0.0 => Candidate::default(),
-                    _ => contact_twin::contact(p, collider),
+                    _ => contact_twin::contact(p, collider, &collider.frame),
                 };
                 let [x, y, z, depth] = got[i * scene.colliders.len() + k];
                 let sizes = collider.shape.parameters().iter().sum::<f32>();
@@ -49,7 +49,7 @@ pub fn contact(scene: &Scene) -> Outcome {
                 let magnitude = local.element_sum() + f64::from(sizes) + collider.margin;
                 let roundings = skin_roundings(set, i) + 4 + 12;
                 out.number(f64::from(depth).max(0.0), want.depth, magnitude, roundings);
-                let curvature = collider.curvature(p).to_cols_array();
+                let curvature = collider.curvature(&collider.frame, p).to_cols_array();
                 let curvature = curvature.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let magnitude = DVec3::splat(2.0 + magnitude * curvature);
                 out.vector(vec([x, y, z]), want.normal, magnitude, roundings + 3);
@@ -60,21 +60,17 @@ pub fn contact(scene: &Scene) -> Outcome {
 }
 
 /// The active contacts of the evaluated state, as the device listed them.
-pub fn listed(scene: &Scene) -> Vec<Contact> {
+pub fn listed(scene: &Scene) -> Vec<ContactRow> {
     let mut list: Vec<shared::Contact> =
         scene.items(Phase::Evaluated, "contacts", INSTANCE, OPTIONS_CONTACTS + 1);
     let count = list.remove(0).vertex as usize;
     list.truncate(count);
     list.iter()
-        .map(|c| Contact {
-            sides: [
-                ContactSide::Skin { vertex: c.vertex },
-                ContactSide::Collider {
-                    collider: c.collider,
-                },
-            ],
-            normal: vec(c.normal),
-            depth: f64::from(c.depth),
+        .map(|c| ContactRow {
+            vertex: c.vertex,
+            carrier: None,
+            direction: vec(c.normal),
+            force: -f64::from(c.depth) * f64::from(c.stiffness),
             stiffness: f64::from(c.stiffness),
         })
         .collect()
@@ -95,14 +91,6 @@ pub fn rows(scene: &Scene, contact: usize) -> Vec<DVec3> {
     let index = INSTANCE * OPTIONS_CONTACTS + contact;
     let rows: Vec<[f32; 4]> = scene.items(Phase::Evaluated, "contact_rows", index, stride);
     rows.iter().map(|r| vec([r[0], r[1], r[2]])).collect()
-}
-
-/// The vertex of a listed contact.
-pub fn vertex(contact: &Contact) -> usize {
-    match contact.sides[0] {
-        ContactSide::Skin { vertex } => vertex as usize,
-        ContactSide::Collider { .. } => unreachable!("side A is the skin"),
-    }
 }
 
 /// The list is exact but for k a (one rounding). Rows: T (n_h + 2), T − J, a row of R (3), w, a cross
@@ -127,7 +115,7 @@ pub fn compact(scene: &Scene) -> Outcome {
         &mut want,
     );
     let got = listed(scene);
-    let unrounded = |c: &Contact| (c.sides, c.normal.to_array(), c.depth);
+    let unrounded = |c: &ContactRow| (c.vertex, c.carrier, c.direction.to_array());
     if active == 0 || active > OPTIONS_CONTACTS {
         return Err(format!(
             "{active} contacts: the scene must have some, and room for them"
@@ -154,24 +142,21 @@ pub fn compact(scene: &Scene) -> Outcome {
     let minus_joints = super::points::minus_joints(scene);
     for (k, (got, want)) in got.iter().zip(&want).enumerate() {
         out.number(got.stiffness, want.stiffness, want.stiffness, 1);
-        let v = vertex(want);
+        out.number(got.force, want.force, want.force.abs(), 1);
+        let v = want.vertex as usize;
         let (skinning, basis) = (set.skinning.row(v), set.basis.row(v));
         let t = rest[v] + unposed_displacement(basis, &phi);
-        let side = SideMotion {
-            frames: skinning,
-            handles: basis,
-        };
         let blocks = 2 * skinning.len() + basis.len();
         let mut levers = vec![DVec3::ZERO; blocks];
-        let bones = scene.avatar.skeleton.len();
-        side.levers(bones, scene.joints(), &frames, t, got.normal, &mut levers);
+        let side = (skinning, basis);
+        skin_levers(side, scene.joints(), &frames, t, got.direction, &mut levers);
         let terms = basis
             .iter()
             .map(|u| u.value.abs() * phi[u.handle as usize].abs());
         let abs_t = rest[v].abs() + terms.sum::<DVec3>();
         let mut abs_arms = vec![DVec3::ZERO; skinning.len()];
         arms(skinning, &minus_joints, &abs_frames, abs_t, &mut abs_arms);
-        let normal = got.normal.abs();
+        let normal = got.direction.abs();
         let pulled = blended_rotation(skinning, &abs_frames).transpose() * normal;
         let roundings = basis.len() + skinning.len() + 10;
         for (b, row) in rows(scene, k)[..blocks].iter().enumerate() {
@@ -190,7 +175,7 @@ pub fn compact(scene: &Scene) -> Outcome {
 }
 
 /// Every block's contacts, exactly.
-fn block_lists(scene: &Scene, contacts: &[Contact]) -> Outcome {
+fn block_lists(scene: &Scene, contacts: &[ContactRow]) -> Outcome {
     let blocks = scene.avatar.space().blocks();
     for block in 0..blocks {
         let index = INSTANCE * blocks + block;
@@ -202,7 +187,7 @@ fn block_lists(scene: &Scene, contacts: &[Contact]) -> Outcome {
         );
         let want: Vec<u32> = (contacts.iter().enumerate())
             .filter_map(|(k, c)| {
-                let place = vertex_blocks(scene, vertex(c))
+                let place = vertex_blocks(scene, c.vertex as usize)
                     .iter()
                     .position(|&b| b as usize == block)?;
                 Some((k * 256 + place) as u32)

@@ -2,7 +2,7 @@
 
 use super::INSTANCE;
 use super::bound::{Comparison, Outcome, abs, abs_cross, abs_skew};
-use super::contacts::{listed, rows, vertex, vertex_blocks};
+use super::contacts::{listed, rows, vertex_blocks};
 use super::points::{mat9, minus_joints};
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, vec};
 use supple::glam::{DMat3, DVec3};
@@ -158,9 +158,9 @@ pub fn gradient(scene: &Scene) -> Outcome {
         }
     }
     for (k, contact) in listed(scene).iter().enumerate() {
-        let blocks = vertex_blocks(scene, vertex(contact));
+        let blocks = vertex_blocks(scene, contact.vertex as usize);
         for (&block, row) in blocks.iter().zip(rows(scene, k)) {
-            add(block, -contact.force() * row);
+            add(block, contact.force * row);
         }
     }
     for block in 0..blocks {
@@ -273,7 +273,7 @@ pub fn hessian(scene: &Scene) -> Outcome {
     let mut levers = vec![DVec3::ZERO; contacts.len() * stride];
     for (k, contact) in contacts.iter().enumerate() {
         let rows = rows(scene, k);
-        for (place, &from) in orders[vertex(contact)].iter().enumerate() {
+        for (place, &from) in orders[contact.vertex as usize].iter().enumerate() {
             levers[k * stride + place] = rows[from];
         }
     }
@@ -295,7 +295,7 @@ pub fn hessian(scene: &Scene) -> Outcome {
                 &by_row,
                 row,
                 &contacts,
-                &skin,
+                (&skin, &scene.pattern),
                 (stride, levers),
                 &mut force,
                 out,
