@@ -40,4 +40,4 @@ macro_rules! figures {
     };
 }
 
-figures![rigid_soft];
+figures![static_poses, rigid_soft, layers, spin, cylinders, walk];

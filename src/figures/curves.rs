@@ -14,8 +14,20 @@ pub struct Series {
     pub name: String,
     /// (x, y), in the axes' units.
     pub points: Vec<(f64, f64)>,
-    /// Whether a dot stands at each point: measurements rather than a record of a run.
-    pub dots: bool,
+    /// How they are drawn.
+    pub mark: Mark,
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mark {
+    /// A line: the record of a run.
+    #[default]
+    Line,
+    /// Dots joined by a line: measurements that depend on x.
+    JoinedDots,
+    /// Dots alone: events.
+    Dots,
 }
 
 /// How an axis is divided.
@@ -57,21 +69,31 @@ impl Curves {
     }
 
     /// With a line.
-    pub fn line(mut self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        self.series.push(Series {
-            name: name.into(),
-            points: points.into_iter().collect(),
-            dots: false,
-        });
-        self
+    pub fn line(self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.with(name, points, Mark::Line)
     }
 
     /// With a line and a dot at each of its points.
-    pub fn dots(mut self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        self = self.line(name, points);
-        if let Some(series) = self.series.last_mut() {
-            series.dots = true;
-        }
+    pub fn dots(self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.with(name, points, Mark::JoinedDots)
+    }
+
+    /// With dots alone.
+    pub fn events(self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.with(name, points, Mark::Dots)
+    }
+
+    fn with(
+        mut self,
+        name: &str,
+        points: impl IntoIterator<Item = (f64, f64)>,
+        mark: Mark,
+    ) -> Self {
+        self.series.push(Series {
+            name: name.into(),
+            points: points.into_iter().collect(),
+            mark,
+        });
         self
     }
 
@@ -170,15 +192,21 @@ impl Curves {
             .map_err(told)?;
         for (k, (series, points)) in self.series.iter().zip(lines).enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
-            let line = LineSeries::new(points.iter().copied(), colour.stroke_width(2));
-            chart
-                .draw_series(line)
-                .map_err(told)?
-                .label(&series.name)
-                .legend(move |(x, y)| {
+            let joined = match series.mark {
+                Mark::Dots => &[][..],
+                _ => &points[..],
+            };
+            let line = LineSeries::new(joined.iter().copied(), colour.stroke_width(2));
+            let of_line = chart.draw_series(line).map_err(told)?.label(&series.name);
+            match series.mark {
+                Mark::Dots => {
+                    of_line.legend(move |(x, y)| Circle::new((x + 9, y), 4, colour.filled()))
+                }
+                _ => of_line.legend(move |(x, y)| {
                     PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2))
-                });
-            if series.dots {
+                }),
+            };
+            if series.mark != Mark::Line {
                 let dot = |p: &(f64, f64)| Circle::new(*p, 4, colour.filled());
                 chart.draw_series(points.iter().map(dot)).map_err(told)?;
             }

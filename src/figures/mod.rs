@@ -9,15 +9,23 @@
 
 mod check;
 mod curves;
+mod cylinders;
 mod gallery;
 mod html;
+mod layers;
+mod measure;
 mod page;
+mod poses;
 pub mod press;
 mod rigid_soft;
+mod spectrum;
+mod spin;
+mod static_poses;
 mod studio;
+mod walk;
 
 pub use check::{Bound, Check};
-pub use curves::{Curves, Scale, Series};
+pub use curves::{Curves, Mark, Scale, Series};
 pub use gallery::{Summary, Verdict, write_gallery};
 pub use page::{Block, Page, Table};
 pub use studio::{Progress, Size, Studio};
@@ -38,4 +46,11 @@ pub struct Figure {
 }
 
 /// Every figure, in the paper's order.
-pub const FIGURES: &[Figure] = &[rigid_soft::FIGURE];
+pub const FIGURES: &[Figure] = &[
+    static_poses::FIGURE,
+    rigid_soft::FIGURE,
+    layers::FIGURE,
+    spin::FIGURE,
+    cylinders::FIGURE,
+    walk::FIGURE,
+];

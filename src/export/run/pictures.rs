@@ -102,7 +102,7 @@ fn middle(points: &[DVec3]) -> DVec3 {
     points.iter().sum::<DVec3>() / points.len().max(1) as f64
 }
 
-/// The reference shape, displaced and coloured as the snapshot's skin is, at two fifths of `view`'s size.
+/// The reference shape, displaced and coloured as the snapshot's skin is, at a third of `view`'s size.
 fn unposed_picture(
     avatar: &Avatar,
     snapshot: &Snapshot,
@@ -113,7 +113,7 @@ fn unposed_picture(
     let rest = avatar.skin.position.iter();
     let positions = rest.zip(&snapshot.displacement).map(|(x, d)| *x + *d);
     let skin = skin_mesh(avatar, positions.collect(), snapshot, scale);
-    let [width, height] = [2 * view.width / 5, 2 * view.height / 5];
+    let [width, height] = [view.width / 3, view.height / 3];
     let aspect = width as f64 / height as f64;
     let camera = Camera::framing(&skin.surface.positions, inset.view, inset.up, aspect);
     let view = View {

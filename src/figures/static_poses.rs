@@ -1,0 +1,236 @@
+//! Static poses: the data-driven shape, kept exactly.
+
+use super::measure::longest;
+use super::poses::{Pose, body_poses, hand_poses, random_body, random_hand};
+use super::{Bound, Figure, Page, Studio};
+use crate::Result;
+use crate::export::{Camera, Mesh, Panel, from_srgb, posed_skin};
+use crate::load::Sample;
+use crate::math::{Random, rotation_exp, rotation_log};
+use crate::model::{Avatar, ParametricModel, PoseBlend, State};
+use crate::reference::Reference;
+use crate::sample;
+use crate::sim::{Settings, Simulation, SolverMode};
+use crate::skeleton::Tracking;
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+
+/// See [`draw`].
+pub const FIGURE: Figure = Figure {
+    name: "static_poses",
+    title: "Static poses, and a posed contact",
+    paper: "figures 2 and 6",
+    draw,
+};
+
+const SKIN: u32 = 0xd9b8a0;
+
+/// A sample in poses.
+struct Posed {
+    name: &'static str,
+    avatar: Arc<Avatar>,
+    model: ParametricModel,
+    poses: Vec<Pose>,
+    random: fn(&crate::model::Skeleton, &mut Random) -> Vec<DMat3>,
+    /// Where the camera looks, and what is up.
+    view: DVec3,
+    up: DVec3,
+    size: [usize; 2],
+}
+
+/// Poses with and without pose blend shapes; the simulated skin against the parametric model's; a contact in a pose.
+fn draw(studio: &Studio) -> Result<Page> {
+    let mut page = Page::new(
+        "Nothing touches these: bones are drawn to a pose by springs and simulated until they rest, and the skin is \
+         that of the data-driven model, with its pose blend shapes (below) and without them (above).",
+    );
+    let count = studio.pick(3, 25);
+    let hand = hand(studio)?;
+    compare(studio, &hand, count, &mut page)?;
+    if !studio.small() {
+        compare(studio, &body(studio)?, count, &mut page)?;
+        contact(studio, &mut page)?;
+    }
+    Ok(page)
+}
+
+fn hand(studio: &Studio) -> Result<Posed> {
+    let avatar = studio.sample(Sample::Hand)?;
+    Ok(Posed {
+        name: "hand",
+        model: sample::hand()?.model,
+        poses: hand_poses(&avatar.skeleton),
+        avatar,
+        random: random_hand,
+        view: DVec3::new(-0.35, -1.0, 0.75),
+        up: DVec3::Z,
+        size: [420, 380],
+    })
+}
+
+fn body(studio: &Studio) -> Result<Posed> {
+    let avatar = studio.sample(Sample::Body)?;
+    Ok(Posed {
+        name: "body",
+        model: sample::body()?.model,
+        poses: body_poses(&avatar.skeleton),
+        avatar,
+        random: random_body,
+        view: DVec3::new(-0.55, -0.15, -1.0),
+        up: DVec3::Y,
+        size: [420, 520],
+    })
+}
+
+/// Pictures of the poses, and the skin's distance from the model's over them and `count` random ones.
+fn compare(studio: &Studio, posed: &Posed, count: usize, page: &mut Page) -> Result<()> {
+    let Posed {
+        name,
+        avatar,
+        model,
+        ..
+    } = posed;
+    let mut plain = avatar.as_ref().clone();
+    plain.skin.pose_blend = PoseBlend::default();
+    plain.cubature.pose_blend = PoseBlend::default();
+    let mut random = Random::new(2021);
+    let named = posed.poses.iter().map(|p| p.local.clone());
+    let locals: Vec<Vec<DMat3>> = named
+        .chain((0..count).map(|_| (posed.random)(&avatar.skeleton, &mut random)))
+        .collect();
+    let (mut error, mut phi, mut blend) = (0.0f64, 0.0f64, 0.0f64);
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    for (k, local) in locals.iter().enumerate() {
+        let state = at_rest(avatar, local)?;
+        let skin = posed_skin(avatar, &state);
+        let wanted = model.evaluate(&[], local, DVec3::ZERO);
+        // Relative to the root, which is where it was drawn to.
+        let shift = state.frames[0].position - avatar.skeleton.joints[0];
+        error = error.max(longest(
+            skin.positions
+                .iter()
+                .zip(&wanted)
+                .map(|(a, b)| *a - shift - *b),
+        ));
+        phi = phi.max(longest(state.handles.iter().copied()));
+        if let Some(pose) = posed.poses.get(k) {
+            let without = posed_skin(&plain, &state);
+            let moved = skin.positions.iter().zip(&without.positions);
+            blend = blend.max(longest(moved.map(|(a, b)| *a - *b)));
+            let [width, height] = posed.size;
+            let aspect = width as f64 / height as f64;
+            let camera = Camera::framing(&skin.positions, posed.view, posed.up, aspect);
+            for (surface, row) in [(without, &mut above), (skin, &mut below)] {
+                let mesh = Mesh::new(surface, from_srgb(SKIN));
+                row.push(Panel {
+                    image: studio.picture(&[mesh], camera, posed.size),
+                    caption: pose.name.into(),
+                });
+            }
+        }
+        studio.progress(&format!("poses of the {name}"), k + 1, locals.len());
+    }
+    let columns = above.len();
+    above.append(&mut below);
+    page.picture(
+        name,
+        studio.sheet(above, columns, None),
+        format!("{name}: without pose blend shapes above, with them below"),
+    );
+    let what = format!(
+        "{name}: skin off the parametric model over {} poses",
+        locals.len()
+    );
+    page.check(what, error, "m", Bound::AtMost(1e-6));
+    page.check(
+        format!("{name}: longest handle displacement"),
+        phi,
+        "m",
+        Bound::AtMost(1e-6),
+    );
+    let what = format!("{name}: most that pose blend shapes move the skin");
+    page.check(what, 1e3 * blend, "mm", Bound::AtLeast(1.0));
+    Ok(())
+}
+
+/// The state in which `avatar` rests when springs draw every bone to the pose `local`, without gravity; it comes from
+/// the bind pose, in quarters of the way.
+fn at_rest(avatar: &Arc<Avatar>, local: &[DMat3]) -> Result<State> {
+    let settings = Settings {
+        // Long steps: backward Euler takes the motion out of what moves.
+        time_step: 0.1,
+        solver: SolverMode::CONVERGED,
+        ..Settings::default()
+    };
+    let potential = Reference::new(avatar.clone(), 1, 0)?;
+    let mut simulation = Simulation::new(avatar, potential, settings)?;
+    let skeleton = &avatar.skeleton;
+    simulation.instances_mut()[0].gravity = DVec3::ZERO;
+    for part in [0.25, 0.5, 0.75, 1.0, 1.0, 1.0] {
+        let turned: Vec<DMat3> = (local.iter())
+            .map(|r| rotation_exp(part * rotation_log(*r)))
+            .collect();
+        let frames = skeleton.forward_kinematics(&turned, skeleton.joints[0]);
+        let instance = &mut simulation.instances_mut()[0];
+        for (j, parent) in skeleton.parents.iter().enumerate() {
+            if parent.is_some() {
+                instance.bending[j].rest_rotation = turned[j];
+            }
+        }
+        let targets = frames.iter().enumerate().map(|(j, f)| Tracking::new(j, *f));
+        instance.targets = targets.collect();
+        // From rest: what it had of velocity is no part of the answer.
+        instance.place(instance.state.clone());
+        simulation.step_blocking()?;
+    }
+    Ok(simulation.instances()[0].state.clone())
+}
+
+/// The body in a pose, a ball in its belly.
+fn contact(studio: &Studio, page: &mut Page) -> Result<()> {
+    let scene = studio.scene("posed_contact")?;
+    let avatar = studio.avatar_of(&scene)?;
+    let run = studio.play(&scene, &avatar)?;
+    page.text(
+        "In a pose that the blend shapes serve (the arms are bent), a ball is pushed into the belly. The dent is in \
+         the unposed shape (inset) as in the posed one, and the spine gives way: the contact acts on bones and tissue.",
+    );
+    page.picture(
+        "contact",
+        studio.strip(&scene, &avatar, &run),
+        "a posed contact; insets: the unposed shape",
+    );
+    let r = &run.report;
+    page.check(
+        "contact: unposed displacement",
+        r.full_press_displacement_mm,
+        "mm",
+        Bound::AtLeast(5.0),
+    );
+    page.check(
+        "contact: force",
+        r.contact_force_n,
+        "N",
+        Bound::AtLeast(1.0),
+    );
+    let chest = avatar.skeleton.find("spine3").unwrap_or(0);
+    let states = &run.recording.states;
+    let (first, pressed) = (
+        &states[scene.step_at(scene.measure.settled)],
+        &states[scene.step_at(scene.measure.full_press)],
+    );
+    let (way, _) = first.frames[chest].motion_to(&pressed.frames[chest]);
+    page.check(
+        "contact: the chest gives way",
+        1e3 * way.length(),
+        "mm",
+        Bound::AtLeast(0.5),
+    );
+    page.check(
+        "contact: smallest det F",
+        r.min_det_f,
+        "",
+        Bound::AtLeast(0.0),
+    );
+    Ok(())
+}
