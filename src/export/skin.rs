@@ -40,3 +40,36 @@ pub fn unposed_skin(avatar: &Avatar, state: &State) -> Surface {
         triangles: avatar.triangles.clone(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::potential::Potential;
+    use crate::reference::Reference;
+    use crate::sample::{random_avatar, random_state};
+    use std::sync::Arc;
+
+    /// Two ways to the same skin: by this file, and as a simulation draws it.
+    #[test]
+    fn the_posed_skin_is_what_a_simulation_draws() {
+        let avatar = Arc::new(random_avatar(11, 4, 12, 30, 60));
+        let state = random_state(12, &avatar, 0.8, 0.02);
+        let mut reference = Reference::new(avatar.clone(), 1, 0).unwrap();
+        let (mut drawn, mut normals) = (Vec::new(), Vec::new());
+        pollster::block_on(async {
+            reference.pose_skin(std::slice::from_ref(&state)).await?;
+            reference.read_skin(0, &mut drawn, &mut normals).await
+        })
+        .unwrap();
+        let posed = posed_skin(&avatar, &state);
+        let apart = |(a, b): (&DVec3, &DVec3)| a.distance(*b);
+        let error = (posed.positions.iter().zip(&drawn))
+            .map(apart)
+            .fold(0.0, f64::max);
+        assert!(error < 1e-14, "{error:e} m");
+        let unposed = unposed_skin(&avatar, &state);
+        let moved = unposed.positions.iter().zip(&avatar.skin.position);
+        let largest = moved.map(apart).fold(0.0, f64::max);
+        assert!(largest > 1e-3, "{largest} m: handles displace it");
+    }
+}

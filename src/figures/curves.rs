@@ -235,3 +235,27 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(60, 60, 60),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_can_be_drawn_is_drawn() {
+        let points = [(0.0, 1e-6), (1.0, f64::NAN), (2.0, 0.0), (3.0, 1e-2)];
+        let curves = Curves::new("error & time", "s", "m")
+            .dots("a", points)
+            .events("b", [(1.0, 1e-4)]);
+        for curves in [curves.clone(), curves.logarithmic()] {
+            let svg = curves.svg().unwrap();
+            assert!(svg.starts_with("<svg") && svg.contains("error &amp; time"));
+            assert!(!svg.contains("NaN"), "{svg}");
+        }
+    }
+
+    #[test]
+    fn nothing_to_draw_is_an_error() {
+        let nothing = Curves::new("nothing", "s", "m").line("a", [(f64::NAN, 1.0)]);
+        assert!(nothing.svg().unwrap_err().to_string().contains("nothing"));
+    }
+}

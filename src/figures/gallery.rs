@@ -137,3 +137,62 @@ fn machine() -> String {
     let model = model.unwrap_or_else(|| architecture.into());
     format!("{model}, {threads} threads, {system}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::Image;
+    use crate::figures::{Bound, Curves, Size};
+
+    fn good(_: &Studio) -> Result<Page> {
+        let mut page = Page::new("a < b");
+        page.picture("grey", Image::new(8, 4, [0.5; 3]), "\"grey\"");
+        page.table("sizes", &["n", "mm"], vec![vec!["1".into(), "2".into()]]);
+        page.curves(Curves::new("c", "s", "m").line("l", [(0.0, 1.0), (1.0, 2.0)]));
+        page.check("length", 2.0, "mm", Bound::AtMost(3.0));
+        page.check("force", 2.0, "N", Bound::AtLeast(3.0));
+        Ok(page)
+    }
+
+    fn broken(_: &Studio) -> Result<Page> {
+        Err(Error::invalid("scene", "is not there"))
+    }
+
+    /// A figure that cannot be drawn does not take the others with it, and counts.
+    #[test]
+    fn a_gallery_tells_what_holds_and_what_fails() {
+        let figure = |name, draw| Figure {
+            name,
+            title: "T & U",
+            paper: "",
+            draw,
+        };
+        let (broken, good) = (figure("broken", broken), figure("good", good));
+        let folder = tempfile::tempdir().unwrap();
+        let studio = Studio::new(Size::Small, "", "", |_| {});
+        let mut seen = Vec::new();
+        let summary = write_gallery(&[&broken, &good], &studio, folder.path(), &mut |v| {
+            seen.push((v.name, v.holds()));
+        })
+        .unwrap();
+        assert_eq!(seen, [("broken", false), ("good", false)]);
+        assert_eq!(summary.checks(), (1, 3));
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        let page = read("index.html");
+        for told in [
+            "1 of 3 checks hold",
+            "Not drawn: scene: is not there",
+            "a &lt; b",
+            "T &amp; U",
+            "src=\"good/grey.png\" alt=\"&quot;grey&quot;\" width=\"8\" height=\"4\"",
+            "<td>2 N</td><td>≥ 3 N</td><td class=\"fail\">fails</td>",
+            "<svg",
+        ] {
+            assert!(page.contains(told), "{told} in {page}");
+        }
+        assert!(folder.path().join("good/grey.png").exists());
+        let json: serde_json::Value = serde_json::from_str(&read("figures.json")).unwrap();
+        assert_eq!(json["figures"][1]["checks"][1]["bound"]["at_least"], 3.0);
+        assert_eq!(json["figures"][1]["tables"][0]["rows"][0][1], "2");
+    }
+}
