@@ -78,6 +78,8 @@ struct Storm {
     random: Random,
     severity: &'static Severity,
     rest: State,
+    /// Longest displacement of a handle so far, m.
+    bite: f64,
 }
 
 impl Storm {
@@ -86,6 +88,7 @@ impl Storm {
             random: Random::new(seed),
             severity,
             rest: finger().rest_state(),
+            bite: 0.0,
         }
     }
 
@@ -200,12 +203,14 @@ impl Storm {
             }
             if self.random.index(2) == 0 {
                 let time_step = self.scaled(self.severity.time_steps);
-                simulation.set_time_step(time_step).unwrap();
+                set_time_step(simulation, time_step);
             }
             let before = simulation.instances()[0].clone();
             let outcome = simulation.step_blocking().map(|_| ());
             let after = &simulation.instances()[0];
             assert!(after.state.is_finite(), "step {step}: {:?}", after.state);
+            let bites = after.state.handles.iter().map(|x| x.length());
+            self.bite = bites.fold(self.bite, f64::max);
             if outcome.is_err() {
                 assert_eq!(before.state, after.state, "step {step}");
                 assert_eq!(before.previous, after.previous, "step {step}");
@@ -239,6 +244,16 @@ fn settings(solver: SolverMode) -> Settings {
     }
 }
 
+fn set_time_step<P: Potential>(simulation: &mut Simulation<P>, time_step: f64) {
+    let settings = *simulation.settings();
+    simulation
+        .set_settings(Settings {
+            time_step,
+            ..settings
+        })
+        .unwrap();
+}
+
 fn cpu(avatar: &Arc<Avatar>, solver: SolverMode) -> Simulation<Reference> {
     let potential = Reference::new(avatar.clone(), 1, 4 * avatar.skin.len()).unwrap();
     Simulation::new(avatar, potential, settings(solver)).unwrap()
@@ -260,7 +275,7 @@ fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
         };
         instance.bending[bone].stiffness = 0.5;
     }
-    simulation.set_time_step(1.0 / 60.0).unwrap();
+    set_time_step(simulation, 1.0 / 60.0);
     for _ in 0..120 {
         simulation.step_blocking().unwrap();
     }
@@ -276,7 +291,7 @@ fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
 
 #[test]
 fn it_recovers_within_two_seconds() {
-    let mut failures = Vec::new();
+    let (mut failures, mut bite) = (Vec::new(), 0.0f64);
     for seed in 0..40 {
         for mode in modes() {
             let mut storm = Storm::new(seed, &STATED);
@@ -286,6 +301,7 @@ fn it_recovers_within_two_seconds() {
                     panic!("seed {seed}, {mode:?}, step {step}: {error}");
                 }
             });
+            bite = bite.max(storm.bite);
             let (left, det_f) = calm(&mut simulation);
             if !(left < 1e-4 && det_f > 0.9) {
                 failures.push(format!("seed {seed}, {mode:?}: {left:e} m, det F {det_f}"));
@@ -293,6 +309,8 @@ fn it_recovers_within_two_seconds() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+    println!("handles were displaced by up to {bite} m");
+    assert!(bite > 0.01, "{bite} m is no storm");
 }
 
 #[test]
@@ -310,4 +328,48 @@ fn beyond_its_bounds_it_stays_finite_or_refuses() {
         }
     }
     println!("{refused} steps were refused");
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn a_gpu_recovers_too_and_survives() {
+    use supple::GpuError;
+    use supple::gpu::{AdapterChoice, GpuDevice};
+    use supple::stage::{GpuOptions, GpuPotential};
+    let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
+        "GPU tests need an adapter and never skip: install a Vulkan driver, for example the package \
+         mesa-vulkan-drivers",
+    );
+    let simulation = |avatar: &Arc<Avatar>| {
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let options = GpuOptions {
+            contacts: 4 * avatar.skin.len(),
+            ..GpuOptions::default()
+        };
+        let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options).unwrap();
+        Simulation::new(avatar, potential, settings(SolverMode::OneIteration)).unwrap()
+    };
+    for seed in 0..3 {
+        let mut storm = Storm::new(seed, &STATED);
+        let mut simulation = simulation(&storm.avatar());
+        storm.rage(&mut simulation, |step, outcome| {
+            if let Err(error) = outcome {
+                panic!("seed {seed}, step {step}: {error}");
+            }
+        });
+        let (left, det_f) = calm(&mut simulation);
+        assert!(
+            left < 1e-4 && det_f > 0.9,
+            "seed {seed}: {left:e} m, {det_f}"
+        );
+    }
+    for seed in 100..103 {
+        let mut storm = Storm::new(seed, &BEYOND);
+        let mut simulation = simulation(&storm.avatar());
+        storm.rage(&mut simulation, |step, outcome| match outcome {
+            Ok(()) | Err(Error::NotFinite { .. } | Error::Solve { .. }) => {}
+            Err(Error::Gpu(GpuError::DeviceLost(problem))) => panic!("seed {seed}: {problem}"),
+            Err(error) => panic!("seed {seed}, step {step}: {error}"),
+        });
+    }
 }

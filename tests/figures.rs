@@ -40,4 +40,13 @@ macro_rules! figures {
     };
 }
 
-figures![static_poses, rigid_soft, layers, spin, cylinders, walk];
+figures![
+    static_poses,
+    rigid_soft,
+    layers,
+    spin,
+    cylinders,
+    walk,
+    convergence,
+    stability,
+];

@@ -8,6 +8,7 @@
 //! A new figure is one file here and one line in [`FIGURES`].
 
 mod check;
+mod convergence;
 mod curves;
 mod cylinders;
 mod gallery;
@@ -20,6 +21,7 @@ pub mod press;
 mod rigid_soft;
 mod spectrum;
 mod spin;
+mod stability;
 mod static_poses;
 mod studio;
 mod walk;
@@ -53,4 +55,6 @@ pub const FIGURES: &[Figure] = &[
     spin::FIGURE,
     cylinders::FIGURE,
     walk::FIGURE,
+    convergence::FIGURE,
+    stability::FIGURE,
 ];

@@ -97,6 +97,23 @@ impl Studio {
         Ok(scene)
     }
 
+    /// Names of all committed scenes, in order.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the folder cannot be read.
+    pub fn scenes(&self) -> Result<Vec<String>> {
+        let entries = std::fs::read_dir(&self.scenes).map_err(|e| Error::io(&self.scenes, e))?;
+        let mut names = Vec::new();
+        for entry in entries {
+            let path = entry.map_err(|e| Error::io(&self.scenes, e))?.path();
+            if path.extension().is_some_and(|e| e == "toml") {
+                names.extend(path.file_stem().map(|n| n.to_string_lossy().into_owned()));
+            }
+        }
+        names.sort_unstable();
+        Ok(names)
+    }
+
     /// The avatar of `source`, baked once for all figures.
     ///
     /// # Errors

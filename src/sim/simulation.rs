@@ -85,21 +85,20 @@ impl<P: Potential> Simulation<P> {
         &self.settings
     }
 
-    /// Makes the steps that follow `time_step` (s) long. Velocities stay what they are.
+    /// Other constants for the steps that follow; velocities stay what they are, also where the time step changes.
+    /// Bending stiffness is the instances' own by now.
     ///
     /// # Errors
-    /// It is not positive and finite.
-    pub fn set_time_step(&mut self, time_step: f64) -> Result<()> {
-        let settings = Settings {
-            time_step,
-            ..self.settings
-        };
+    /// They are unusable.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
-        let ratio = time_step / self.settings.time_step;
-        for instance in &mut self.instances {
-            // What led to qⁿ in the old step leads to it from further or nearer.
-            let step = instance.previous.step_to(&instance.state);
-            instance.previous = instance.state.moved(&step, -ratio);
+        let ratio = settings.time_step / self.settings.time_step;
+        if ratio != 1.0 {
+            for instance in &mut self.instances {
+                // qⁿ⁻¹ is where it would have been a new time step ago.
+                let step = instance.previous.step_to(&instance.state);
+                instance.previous = instance.state.moved(&step, -ratio);
+            }
         }
         self.settings = settings;
         Ok(())
@@ -113,6 +112,11 @@ impl<P: Potential> Simulation<P> {
     /// What evaluates the tissue.
     pub fn potential_mut(&mut self) -> &mut P {
         &mut self.potential
+    }
+
+    /// The bones' own terms of the next step of an instance, with targets where they are now.
+    pub fn skeleton_potential(&self, instance: usize) -> SkeletonPotential {
+        skeleton_terms(&self.skeleton, &self.settings, &self.instances[instance])
     }
 
     /// The instances.
