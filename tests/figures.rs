@@ -47,6 +47,10 @@ figures![
     spin,
     cylinders,
     walk,
+    cubature,
+    reduced_full,
+    table_1,
     convergence,
     stability,
+    bone_press,
 ];

@@ -1,15 +1,16 @@
 //! `supple simulate`.
 
 use super::{make_folder, print, print_json, print_table, progress, to_json};
-use crate::bake::full_space;
-use crate::export::{Breakdown, Report, SceneRun, picture_strip, run_scene, write_glb};
+use crate::export::{
+    Breakdown, FullSpaceRun, Report, SceneRun, picture_strip, run_full_space, run_scene, write_glb,
+};
 use crate::gpu::{AdapterChoice, GpuDevice};
 use crate::load::motion::TrackedMotion;
 use crate::load::{Scene, load_avatar, read_scene};
 use crate::model::Avatar;
 use crate::potential::Potential;
 use crate::reference::Reference;
-use crate::sim::{Simulation, SparseCholesky};
+use crate::sim::Simulation;
 use crate::stage::{GpuOptions, GpuPotential};
 use crate::{Error, GpuError, Result};
 use std::path::{Path, PathBuf};
@@ -46,7 +47,10 @@ pub struct Arguments {
     /// Where results go [default: out/<scene>].
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Where bakes are kept.
+    /// Solve the full space again, and keep nothing of it.
+    #[arg(long, requires = "full_space")]
+    no_cache: bool,
+    /// Where bakes and full-space runs are kept.
     #[arg(long, default_value = "out/cache")]
     cache: PathBuf,
     /// Draw the bones to this motion in place of the scene's own: .bvh, .npz (AMASS), .glb, .jsonl, .js;
@@ -79,11 +83,14 @@ impl Arguments {
             &mut progress::baking_if_needed(),
         )?;
         scene.dress(&mut avatar)?;
-        if self.full_space {
-            avatar = full_space(&avatar)?;
-        }
-        let avatar = Arc::new(avatar);
-        let (mut run, backend) = self.simulate(&scene, &avatar)?;
+        let (avatar, mut run, backend) = if self.full_space {
+            let FullSpaceRun { avatar, run, .. } = self.solve_full_space(&scene, &avatar)?;
+            (avatar, run, "cpu, full space".into())
+        } else {
+            let avatar = Arc::new(avatar);
+            let (run, backend) = self.simulate(&scene, &avatar)?;
+            (avatar, run, backend)
+        };
         run.report.backend = backend;
         if let Some(map) = &run.bone_map {
             eprintln!("motion: {}", map.summary());
@@ -142,24 +149,33 @@ impl Arguments {
         }
         let contacts = avatar.skin.len() * scene.collider_count();
         let potential = Reference::new(avatar.clone(), 1, contacts)?;
-        if self.full_space {
-            eprintln!("backend: cpu, full space");
-            let solver = Box::new(SparseCholesky::new(potential.pattern())?);
-            let mut simulation =
-                Simulation::with_solver(avatar, potential, scene.settings, solver)?;
-            return Ok((
-                play(scene, avatar, &mut simulation)?,
-                "cpu, full space".into(),
-            ));
-        }
         eprintln!("backend: cpu{}", self.why_cpu());
         let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
         Ok((play(scene, avatar, &mut simulation)?, "cpu".into()))
     }
 
+    /// Solves for every node, or takes what an earlier run kept; says on stderr which.
+    fn solve_full_space(&self, scene: &Scene, avatar: &Avatar) -> Result<FullSpaceRun> {
+        eprintln!("backend: cpu, full space");
+        let bar = progress::bar(scene.steps, &scene.name);
+        let folder = (!self.no_cache).then_some(&*self.cache);
+        let found = run_full_space(scene, avatar, folder, &mut |step| {
+            bar.set_position(step as u64);
+        });
+        bar.finish_and_clear();
+        let found = found?;
+        if let Some(path) = &found.kept {
+            eprintln!(
+                "kept from an earlier run: {} (--no-cache would solve again)",
+                path.display()
+            );
+        }
+        Ok(found)
+    }
+
     /// The device to run on; `None` means the CPU.
     fn open_gpu(&self) -> Result<Option<GpuDevice>> {
-        if self.full_space || self.backend == Backend::Cpu {
+        if self.backend == Backend::Cpu {
             return Ok(None);
         }
         let choice = if self.allow_software {

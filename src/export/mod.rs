@@ -36,7 +36,7 @@ pub use painted::write_painted;
 pub use pose_lines::{clip_as_poses, pose_header_line, pose_line};
 pub use raster::{Camera, Mesh, Plane, Projection, View, render};
 pub use report::{Breakdown, EnergyReport, Median, Report, Spread};
-pub use run::{Driver, SceneRun, Snapshot, picture_strip, run_scene};
+pub use run::{Driver, FullSpaceRun, SceneRun, Snapshot, picture_strip, run_full_space, run_scene};
 pub use skin::{posed_skin, skin_displacement, unposed_skin};
 pub use smpl::write_smpl;
 pub use strip::{Legend, Panel, Strip};

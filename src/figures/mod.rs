@@ -7,8 +7,10 @@
 //!
 //! A new figure is one file here and one line in [`FIGURES`].
 
+mod bone_press;
 mod check;
 mod convergence;
+mod cubature;
 mod curves;
 mod cylinders;
 mod gallery;
@@ -18,12 +20,14 @@ mod measure;
 mod page;
 mod poses;
 pub mod press;
+mod reduced_full;
 mod rigid_soft;
 mod spectrum;
 mod spin;
 mod stability;
 mod static_poses;
 mod studio;
+mod table_1;
 mod walk;
 
 pub use check::{Bound, Check};
@@ -55,6 +59,10 @@ pub const FIGURES: &[Figure] = &[
     spin::FIGURE,
     cylinders::FIGURE,
     walk::FIGURE,
+    cubature::FIGURE,
+    reduced_full::FIGURE,
+    table_1::FIGURE,
     convergence::FIGURE,
     stability::FIGURE,
+    bone_press::FIGURE,
 ];

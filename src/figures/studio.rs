@@ -2,12 +2,12 @@
 
 use crate::export::{
     Camera, Image, Legend, Mesh, Panel, Plane, SceneRun, Strip, View, from_srgb, picture_strip,
-    render, run_scene,
+    render, run_full_space, run_scene,
 };
 use crate::load::{AvatarSource, Sample, Scene, load_avatar, read_scene};
 use crate::model::Avatar;
 use crate::reference::Reference;
-use crate::sim::{Simulation, full_space};
+use crate::sim::Simulation;
 use crate::{Error, Result};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -174,10 +174,10 @@ impl Studio {
         scene: &Scene,
         avatar: &Arc<Avatar>,
     ) -> Result<(Arc<Avatar>, SceneRun)> {
-        let (avatar, mut simulation) =
-            full_space(avatar, 1, contacts(scene, avatar), scene.settings)?;
-        let run = self.run(scene, &avatar, &mut simulation)?;
-        Ok((avatar, run))
+        let what = format!("{}, full space", scene.name);
+        let mut progress = |step| self.progress(&what, step, scene.steps);
+        let found = run_full_space(scene, avatar, Some(&self.cache), &mut progress)?;
+        Ok((found.avatar, found.run))
     }
 
     fn run(

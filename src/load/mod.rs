@@ -5,6 +5,7 @@ mod arrays;
 mod avatar_source;
 mod character;
 mod file;
+mod fingerprint;
 pub mod gltf;
 pub mod motion;
 pub(crate) mod npy;
@@ -26,6 +27,7 @@ pub use avatar_source::{
 #[cfg(feature = "cli")]
 pub(crate) use avatar_source::{PALM, SOFT, map_of};
 pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
+pub(crate) use fingerprint::Fingerprint;
 pub use gltf::{parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};
 pub use obj::{parse_obj, read_closed_obj, read_obj};
 pub use scene::{Scene, parse_scene, read_scene};

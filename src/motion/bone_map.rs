@@ -3,10 +3,11 @@
 use super::names::{BodyPart, Part, Side, body_parts, plain};
 use crate::model::Skeleton;
 use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pairs of bones, and what is left over.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BoneMap {
     /// Index in the motion, index in the avatar; the latter rise.
     pub pairs: Vec<(usize, usize)>,

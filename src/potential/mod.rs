@@ -12,7 +12,7 @@ use crate::collider::Collider;
 use crate::model::{Space, State};
 use crate::{Error, Result};
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::future::Future;
 
 /// What one instance's step starts from; constant through the step's Newton iterations.
@@ -59,7 +59,7 @@ impl StepStart<'_> {
 }
 
 /// The energies of the tissue, J. In an [`Evaluation`] each is E(q) − E(qⁿ).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Σ m/(2h²) |x − x̂|².
     pub inertia: f64,

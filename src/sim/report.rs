@@ -3,10 +3,10 @@
 use crate::potential::Energies;
 use crate::skeleton::SkeletonEnergies;
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Every way in which Newton's method stops.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stop {
     /// The one iteration of [`SolverMode::OneIteration`](super::SolverMode::OneIteration) was made.
@@ -22,7 +22,7 @@ pub enum Stop {
 }
 
 /// Wall-clock time of a step, ms. The first three are the evaluation's own account where it gives one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timings {
     /// Energies and gradients.
     pub force: f64,
@@ -43,7 +43,7 @@ pub struct Timings {
 }
 
 /// Force and torque that a target or a pin exerts on its bone.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Load {
     /// Which bone.
     pub bone: usize,
@@ -54,7 +54,7 @@ pub struct Load {
 }
 
 /// One instance's part of a [`StepReport`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InstanceReport {
     /// Why the minimisation ended.
     pub stop: Stop,
@@ -105,7 +105,7 @@ impl Default for InstanceReport {
 }
 
 /// What [`Simulation::step`](super::Simulation::step) did.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
     /// Wall-clock times of the whole batch.
     pub timings: Timings,

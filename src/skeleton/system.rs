@@ -9,7 +9,7 @@ use super::term::{FrameHessian, FrameTerm};
 use super::tracking::{Tracking, TrackingSpring};
 use crate::model::{Avatar, BoneMass, Frame, Skeleton};
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What stays constant while the skeleton moves.
 #[derive(Clone, Debug)]
@@ -73,7 +73,7 @@ pub struct SkeletonStart<'a> {
 }
 
 /// The skeleton's energies, J; as differences from qⁿ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SkeletonEnergies {
     /// Bone inertia.
     pub inertia: f64,

@@ -16,9 +16,10 @@ pub use morph::{MORPH_TOLERANCE, MOST_MORPHS};
 use crate::export::Colour;
 use crate::model::{Avatar, Frame, State, Surface};
 use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
 
 /// What an avatar and the things around it did.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Recording {
     /// Rising, s.
     pub times: Vec<f64>,
@@ -29,7 +30,7 @@ pub struct Recording {
 }
 
 /// A rigid thing in a recording.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Prop {
     /// Its name in the file.
     pub name: String,

@@ -1,11 +1,13 @@
 //! A scene played: driven, stepped, measured and recorded.
 
 mod driver;
+mod full_space;
 mod measure;
 mod motion_driver;
 mod pictures;
 
 pub use driver::Driver;
+pub use full_space::{FullSpaceRun, run_full_space};
 pub use pictures::picture_strip;
 
 use super::glb::{Prop, Recording};
@@ -19,9 +21,10 @@ use crate::potential::Potential;
 use crate::sim::{Simulation, StepReport};
 use glam::DVec3;
 use measure::Measures;
+use serde::{Deserialize, Serialize};
 
 /// What a scene's run gave.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SceneRun {
     /// Its figures.
     pub report: Report,
@@ -36,7 +39,7 @@ pub struct SceneRun {
 }
 
 /// A moment that is drawn.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Its caption and what it shows.
     pub panel: PanelTime,

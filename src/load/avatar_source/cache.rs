@@ -2,6 +2,7 @@
 
 use super::{AvatarSource, read_avatar_source};
 use crate::bake::{bake, read_avatar, write_baked};
+use crate::load::fingerprint::Fingerprint;
 use crate::model::Avatar;
 use crate::{Error, Result};
 use std::path::Path;
@@ -19,7 +20,7 @@ pub fn load_avatar(
     if let Some(path) = &source.file {
         return read_avatar(path);
     }
-    let path = cache.join(format!("{:016x}.supple", fingerprint(source)?));
+    let path = cache.join(format!("{}.supple", fingerprint(source)?));
     if path.exists()
         && let Ok(avatar) = read_avatar(&path)
     {
@@ -33,37 +34,19 @@ pub fn load_avatar(
     write_baked(&avatar, &report, &path)?;
     Ok(avatar)
 }
+
 /// A hash of the source's text, of the files it names, and of this very program.
-fn fingerprint(source: &AvatarSource) -> Result<u64> {
-    let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-    hash.add(env!("CARGO_PKG_VERSION").as_bytes());
-    if let Some(program) = std::env::current_exe().ok().and_then(|p| p.metadata().ok()) {
-        hash.add(format!("{} {:?}", program.len(), program.modified().ok()).as_bytes());
-    }
-    hash.add_source(source)?;
-    Ok(hash.0)
+fn fingerprint(source: &AvatarSource) -> Result<Fingerprint> {
+    let mut hash = Fingerprint::new();
+    add_source(source, &mut hash)?;
+    Ok(hash)
 }
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo 1991).
-struct Fnv(u64);
-
-impl Fnv {
-    fn add(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
-        }
-    }
-
-    fn add_source(&mut self, source: &AvatarSource) -> Result<()> {
-        let text = serde_json::to_string(source)
-            .map_err(|e| Error::invalid("avatar", format!("cannot be written: {e}")))?;
-        self.add(text.as_bytes());
-        for path in source.files() {
-            self.add(&std::fs::read(path).map_err(|e| Error::io(path, e))?);
-        }
-        match &source.recipe {
-            None => Ok(()),
-            Some(path) => self.add_source(&read_avatar_source(path)?),
-        }
+fn add_source(source: &AvatarSource, hash: &mut Fingerprint) -> Result<()> {
+    hash.add_json("avatar", source)?;
+    source.files().try_for_each(|path| hash.add_file(path))?;
+    match &source.recipe {
+        None => Ok(()),
+        Some(path) => add_source(&read_avatar_source(path)?, hash),
     }
 }
