@@ -63,7 +63,7 @@ fn draw(studio: &Studio) -> Result<Page> {
         ],
     );
     for (name, limb, scenes) in meshes {
-        let mut mesh = Mesh::new(studio, name, *limb, scenes[0])?;
+        let mesh = Mesh::new(studio, name, *limb, scenes[0])?;
         lines.push(mesh.full_space_line());
         mesh.study(&mut page)?;
         for (k, scene) in scenes.iter().enumerate() {
