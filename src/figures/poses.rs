@@ -1,7 +1,7 @@
 //! Poses of the sample hand and body, as rotations relative to the parent bones.
 
 use crate::math::{Random, rotation_exp};
-use crate::model::Skeleton;
+use crate::model::{JointRange, Skeleton};
 use glam::{DMat3, DVec3};
 
 /// A named pose.
@@ -67,21 +67,32 @@ pub(super) fn hand_poses(skeleton: &Skeleton) -> Vec<Pose> {
     poses.into_iter().map(pose).collect()
 }
 
-/// A hand's pose somewhere between stretched and closed.
-pub(super) fn random_hand(skeleton: &Skeleton, random: &mut Random) -> Vec<DMat3> {
-    let digits = DIGITS.map(|name| {
-        let most = if name == "thumb" { 40.0 } else { 85.0 };
-        let flexion = [(); 3].map(|()| random.uniform(-5.0, most));
-        [
-            flexion[0],
-            flexion[1],
-            flexion[2],
-            random.uniform(-8.0, 8.0),
-        ]
-    });
-    let mut local = hand_pose(skeleton, &digits);
-    local[0] = random.rotation(1.0);
-    local
+/// A pose anywhere within the joints' ranges; the root, and joints without a range, turn by up to half a radian.
+pub(super) fn random_pose(skeleton: &Skeleton, random: &mut Random) -> Vec<DMat3> {
+    // Springs keep joints within their ranges: at the edge, rounding would decide whether they act.
+    const INSIDE: f64 = 0.95;
+    let mut within = |range: Option<&JointRange>| match range {
+        None => random.rotation(0.5),
+        Some(JointRange::Axes { axes, least, most }) => {
+            let angle = |k: usize| {
+                let (middle, half) = (0.5 * (least[k] + most[k]), 0.5 * (most[k] - least[k]));
+                (middle, INSIDE * half)
+            };
+            let turns = [0, 1, 2].map(angle).map(|(m, h)| m + random.uniform(-h, h));
+            rotation_exp(*axes * DVec3::from_array(turns))
+        }
+        Some(JointRange::Cone { axis, swing, .. }) => {
+            let about = random.vector(1.0).reject_from(*axis).normalize_or_zero();
+            rotation_exp(about * random.uniform(0.0, INSIDE * swing))
+        }
+    };
+    let range_of = |j: usize| {
+        let mut limits = skeleton.limits.iter();
+        limits
+            .find(|(bone, _)| *bone as usize == j)
+            .map(|(_, range)| range)
+    };
+    (0..skeleton.len()).map(|j| within(range_of(j))).collect()
 }
 
 /// Flexion turns towards the palm (−z), abduction about z.
@@ -165,9 +176,4 @@ pub(super) fn body_poses(skeleton: &Skeleton) -> Vec<Pose> {
         Pose { name, local }
     };
     poses.into_iter().map(pose).collect()
-}
-
-/// A body's pose: every joint turned somewhere within 40° of straight.
-pub(super) fn random_body(skeleton: &Skeleton, random: &mut Random) -> Vec<DMat3> {
-    (0..skeleton.len()).map(|_| random.rotation(0.7)).collect()
 }

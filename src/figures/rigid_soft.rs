@@ -5,7 +5,6 @@ use crate::Result;
 use crate::bake::without_tissue;
 use crate::export::SceneRun;
 use crate::load::Scene;
-use crate::model::Frame;
 use std::sync::Arc;
 
 /// See [`draw`].
@@ -33,50 +32,34 @@ fn draw(studio: &Studio) -> Result<Page> {
          contact: its joints give way. With the soft layer the tissue yields where it is touched, and the bones \
          stay nearer to where nothing touched them.",
     );
-    let mut bones = Vec::new();
-    for (name, avatar, yields) in [
-        ("without tissue", &rigid, Bound::AtMost(0.0)),
-        ("with tissue", &soft, Bound::AtLeast(studio.pick(0.5, 2.0))),
+    let [rigid_run, soft_run] = [&rigid, &soft].map(|avatar| studio.play(&scene, avatar));
+    let (rigid_run, soft_run) = (rigid_run?, soft_run?);
+    // One scale for both.
+    scene.output.legend_mm = Some(soft_run.report.full_press_displacement_mm);
+    for (name, what, avatar, run) in [
+        ("rigid", "without tissue", &rigid, &rigid_run),
+        ("soft", "with tissue", &soft, &soft_run),
     ] {
-        let run = studio.play(&scene, avatar)?;
-        page.picture(
-            if yields.holds(0.0) { "rigid" } else { "soft" },
-            studio.strip(&scene, avatar, &run),
-            format!("{}, {name}", scene.name),
-        );
-        let skin = run.report.full_press_displacement_mm;
-        page.check(format!("skin yields {name}"), skin, "mm", yields);
-        bones.push(1e3 * moved(&run, &free));
+        let picture = studio.strip(&scene, avatar, run);
+        page.picture(name, picture, format!("{}, {what}", scene.name));
     }
-    let (rigid, soft) = (bones[0], bones[1]);
-    page.check(
-        "bones give way without tissue",
-        rigid,
-        "mm",
-        Bound::AtLeast(1.0),
-    );
-    page.check(
-        "bones give way with tissue",
-        soft,
-        "mm",
-        Bound::AtMost(0.9 * rigid),
-    );
+    let yields = |run: &SceneRun| run.report.full_press_displacement_mm;
+    let (none, most) = (Bound::AtMost(0.0), Bound::AtLeast(studio.pick(0.5, 2.0)));
+    page.check("skin yields without tissue", yields(&rigid_run), "mm", none);
+    page.check("skin yields with tissue", yields(&soft_run), "mm", most);
+    let (rigid, soft) = (moved(&rigid_run, &free), moved(&soft_run, &free));
+    let (much, less) = (Bound::AtLeast(1.0), Bound::AtMost(0.9e3 * rigid));
+    page.check("bones give way without tissue", 1e3 * rigid, "mm", much);
+    page.check("bones give way with tissue", 1e3 * soft, "mm", less);
     Ok(page)
 }
 
 /// How far the joint that contact moved farthest stands at the end from where it stands without, m.
 fn moved(run: &SceneRun, free: &SceneRun) -> f64 {
-    let last = |run: &SceneRun| {
-        run.recording
-            .states
-            .last()
-            .map(|s| s.frames.clone())
-            .unwrap_or_default()
-    };
-    let apart = |(a, b): (&Frame, &Frame)| a.position.distance(b.position);
-    last(run)
-        .iter()
-        .zip(&last(free))
-        .map(apart)
+    let (pressed, free) = (run.recording.states.last(), free.recording.states.last());
+    let pairs = pressed.zip(free).into_iter();
+    pairs
+        .flat_map(|(a, b)| a.frames.iter().zip(&b.frames))
+        .map(|(a, b)| a.position.distance(b.position))
         .fold(0.0, f64::max)
 }

@@ -1,13 +1,13 @@
 //! Static poses: the data-driven shape, kept exactly.
 
 use super::measure::longest;
-use super::poses::{Pose, body_poses, hand_poses, random_body, random_hand};
+use super::poses::{Pose, body_poses, hand_poses, random_pose};
 use super::{Bound, Figure, Page, Studio};
 use crate::Result;
-use crate::export::{Camera, Mesh, Panel, from_srgb, posed_skin};
+use crate::export::{Camera, ColourScale, Legend, Mesh, Panel, posed_skin};
 use crate::load::Sample;
 use crate::math::{Random, rotation_exp, rotation_log};
-use crate::model::{Avatar, ParametricModel, PoseBlend, State};
+use crate::model::{Avatar, ParametricModel, PoseBlend, State, Surface};
 use crate::reference::Reference;
 use crate::sample;
 use crate::sim::{Settings, Simulation, SolverMode};
@@ -23,15 +23,12 @@ pub const FIGURE: Figure = Figure {
     draw,
 };
 
-const SKIN: u32 = 0xd9b8a0;
-
 /// A sample in poses.
 struct Posed {
     name: &'static str,
     avatar: Arc<Avatar>,
     model: ParametricModel,
     poses: Vec<Pose>,
-    random: fn(&crate::model::Skeleton, &mut Random) -> Vec<DMat3>,
     /// Where the camera looks, and what is up.
     view: DVec3,
     up: DVec3,
@@ -61,7 +58,6 @@ fn hand(studio: &Studio) -> Result<Posed> {
         model: sample::hand()?.model,
         poses: hand_poses(&avatar.skeleton),
         avatar,
-        random: random_hand,
         view: DVec3::new(-0.35, -1.0, 0.75),
         up: DVec3::Z,
         size: [420, 380],
@@ -75,7 +71,6 @@ fn body(studio: &Studio) -> Result<Posed> {
         model: sample::body()?.model,
         poses: body_poses(&avatar.skeleton),
         avatar,
-        random: random_body,
         view: DVec3::new(-0.55, -0.15, -1.0),
         up: DVec3::Y,
         size: [420, 520],
@@ -96,10 +91,10 @@ fn compare(studio: &Studio, posed: &Posed, count: usize, page: &mut Page) -> Res
     let mut random = Random::new(2021);
     let named = posed.poses.iter().map(|p| p.local.clone());
     let locals: Vec<Vec<DMat3>> = named
-        .chain((0..count).map(|_| (posed.random)(&avatar.skeleton, &mut random)))
+        .chain((0..count).map(|_| random_pose(&avatar.skeleton, &mut random)))
         .collect();
-    let (mut error, mut phi, mut blend) = (0.0f64, 0.0f64, 0.0f64);
-    let (mut above, mut below) = (Vec::new(), Vec::new());
+    let (mut error, mut phi) = (0.0f64, 0.0f64);
+    let mut shown = Vec::new();
     for (k, local) in locals.iter().enumerate() {
         let state = at_rest(avatar, local)?;
         let skin = posed_skin(avatar, &state);
@@ -113,30 +108,12 @@ fn compare(studio: &Studio, posed: &Posed, count: usize, page: &mut Page) -> Res
                 .map(|(a, b)| *a - shift - *b),
         ));
         phi = phi.max(longest(state.handles.iter().copied()));
-        if let Some(pose) = posed.poses.get(k) {
-            let without = posed_skin(&plain, &state);
-            let moved = skin.positions.iter().zip(&without.positions);
-            blend = blend.max(longest(moved.map(|(a, b)| *a - *b)));
-            let [width, height] = posed.size;
-            let aspect = width as f64 / height as f64;
-            let camera = Camera::framing(&skin.positions, posed.view, posed.up, aspect);
-            for (surface, row) in [(without, &mut above), (skin, &mut below)] {
-                let mesh = Mesh::new(surface, from_srgb(SKIN));
-                row.push(Panel {
-                    image: studio.picture(&[mesh], camera, posed.size),
-                    caption: pose.name.into(),
-                });
-            }
+        if k < posed.poses.len() {
+            shown.push((posed_skin(&plain, &state), skin));
         }
         studio.progress(&format!("poses of the {name}"), k + 1, locals.len());
     }
-    let columns = above.len();
-    above.append(&mut below);
-    page.picture(
-        name,
-        studio.sheet(above, columns, None),
-        format!("{name}: without pose blend shapes above, with them below"),
-    );
+    let blend = compared(studio, posed, shown, page);
     let what = format!(
         "{name}: skin off the parametric model over {} poses",
         locals.len()
@@ -151,6 +128,48 @@ fn compare(studio: &Studio, posed: &Posed, count: usize, page: &mut Page) -> Res
     let what = format!("{name}: most that pose blend shapes move the skin");
     page.check(what, 1e3 * blend, "mm", Bound::AtLeast(1.0));
     Ok(())
+}
+
+/// Adds pictures of skins without and with pose blend shapes, one of [`Posed::poses`] each; the latter are coloured by
+/// how far the blend shapes move them. Gives the farthest, m.
+fn compared(
+    studio: &Studio,
+    posed: &Posed,
+    shown: Vec<(Surface, Surface)>,
+    page: &mut Page,
+) -> f64 {
+    let moved: Vec<Vec<f64>> = (shown.iter())
+        .map(|(plain, skin)| {
+            let pairs = plain.positions.iter().zip(&skin.positions);
+            pairs.map(|(a, b)| 1e3 * a.distance(*b)).collect()
+        })
+        .collect();
+    let scale = ColourScale::of(moved.iter().flatten().copied());
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    for (((plain, skin), moved), pose) in shown.into_iter().zip(moved).zip(&posed.poses) {
+        let [width, height] = posed.size;
+        let aspect = width as f64 / height as f64;
+        let camera = Camera::framing(&skin.positions, posed.view, posed.up, aspect);
+        let panel = |mesh: Mesh| Panel {
+            image: studio.picture(&[mesh], camera, posed.size),
+            caption: pose.name.into(),
+        };
+        above.push(panel(Mesh::new(plain, scale.colour(0.0))));
+        below.push(panel(Mesh::coloured(skin, scale.colours(moved))));
+    }
+    let columns = above.len();
+    above.append(&mut below);
+    let legend = Legend {
+        title: "moved by pose blend shapes (mm)".into(),
+        scale,
+    };
+    let sheet = studio.sheet(above, columns, Some(legend));
+    let caption = format!(
+        "{}: without pose blend shapes above, with them below",
+        posed.name
+    );
+    page.picture(posed.name, sheet, caption);
+    1e-3 * scale.high
 }
 
 /// The state in which `avatar` rests when springs draw every bone to the pose `local`, without gravity; it comes from

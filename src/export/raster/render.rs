@@ -48,11 +48,11 @@ impl View {
         }
     }
 
-    /// The same picture quickly: one sample a pixel, few lamps.
+    /// The same picture quickly: few samples, few lamps.
     pub fn draft(self) -> Self {
         Self {
-            supersampling: 1,
-            lamps: 8,
+            supersampling: 2,
+            lamps: 16,
             ..self
         }
     }
