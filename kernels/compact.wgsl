@@ -1,5 +1,5 @@
-// Active contacts in fixed order (vertex by vertex, collider by collider), the row Jᵀn that each has
-// in the reduced space, and for every block of q the contacts that move it.
+// The rows of the active contacts in fixed order (pushes vertex by vertex and collider by collider, then
+// friction), Jᵀe of each in the reduced space, and for every block of q the rows that move it.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -15,24 +15,8 @@
 @group(0) @binding(11) var<storage, read_write> contacts: array<Contact>;
 @group(0) @binding(12) var<storage, read_write> contact_rows: array<vec3<f32>>;
 @group(0) @binding(13) var<storage, read_write> block_contacts: array<u32>;
-
-var<workgroup> counts: array<u32, 256>;
-
-// The sum of the counts of lower lanes; `counts` ends as the inclusive sums.
-fn exclusive_sum(lane: u32, width: u32, count: u32) -> u32 {
-    counts[lane] = count;
-    workgroupBarrier();
-    for (var step = 1u; step < width; step *= 2u) {
-        var sum = counts[lane];
-        if (lane >= step) {
-            sum += counts[lane - step];
-        }
-        workgroupBarrier();
-        counts[lane] = sum;
-        workgroupBarrier();
-    }
-    return counts[lane] - count;
-}
+@group(0) @binding(14) var<storage, read> lagged: array<Lagged>;
+@group(0) @binding(15) var<storage, read> slips: array<vec4<f32>>;
 
 // One workgroup a state; each thread takes a run of vertex–collider pairs.
 @compute @workgroup_size(256)
@@ -52,29 +36,61 @@ fn compact(
     }
     var at = exclusive_sum(lane, 256u, count);
     if (lane == 255u) {
-        contacts[contact_header(group.y)].vertex = at + count;
+        let found = at + count;
+        let rubbing = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
+        contacts[contact_header(group.y)].vertex = found;
+        contacts[contact_header(group.y)].carrier =
+            min(found, constants.contacts) + 2u * rubbing;
     }
     for (var pair = begin; pair < end; pair++) {
         let d = distances[first + pair];
         if (d.w > 0.0) {
             if (at < constants.contacts) {
                 let vertex = pair / state.colliders;
-                let collider = pair % state.colliders;
-                let k = colliders[state.instance * constants.colliders + collider].stiffness;
+                let index = state.instance * constants.colliders + pair % state.colliders;
+                let k = colliders[index].stiffness * points[vertex].measure;
                 contacts[contact_header(group.y) + 1u + at] =
-                    Contact(d.xyz, d.w, k * points[vertex].measure, vertex, collider);
+                    Contact(d.xyz, -(k * d.w), k, vertex, colliders[index].carrier);
             }
             at++;
         }
     }
 }
 
-// Jᵀn of side A, block by block in the vertex's own order: with a = R_j (T − J_j),
-//   c_j: w_j n     ω_j: (−w_j [a]×)ᵀ n = w_j a × n     φ_h: U_h Bᵀ n, B = Σ w_j R_j
-// One thread a contact.
+// Friction's rows behind the pushes: along the slip f = μ λ f₀′, k = μ λ f₀″, across it k = μ λ f₀′/|u_T|.
+// One thread a lagged contact.
+@compute @workgroup_size(64)
+fn friction_rows(@builtin(global_invocation_id) id: vec3<u32>) {
+    let state = batch[chunk.first + id.y];
+    let header = lagged_header(state.instance);
+    if (id.x >= min(lagged[header].vertex, constants.contacts)) {
+        return;
+    }
+    let contact = lagged[header + 1u + id.x];
+    var n = contact.normal;
+    if (contact.carrier > 0u) {
+        n = frames[state.slot * constants.bones + contact.carrier - 1u].rotation * n;
+    }
+    let slip = slips[state.slot * constants.contacts + id.x].xyz;
+    let u = tangential(contact.start + slip, n);
+    let y = length(u);
+    // At rest every tangent is as good.
+    let axis = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), abs(n.x) > 0.5);
+    let along = select(normalize(cross(n, axis)), u / y, y > 1e-18);
+    let slopes = contact.limit * smoothed_slopes(y, state.smoothing);
+    let pushes = min(contacts[contact_header(id.y)].vertex, constants.contacts);
+    let at = contact_header(id.y) + 1u + pushes + 2u * id.x;
+    contacts[at] = Contact(along, slopes.x * y, slopes.y, contact.vertex, contact.carrier);
+    contacts[at + 1u] =
+        Contact(cross(n, along), 0.0, slopes.x, contact.vertex, contact.carrier);
+}
+
+// Jᵀe of side A, block by block in the vertex's own order: with a = R_j (T − J_j),
+//   c_j: w_j e     ω_j: (−w_j [a]×)ᵀ e = w_j a × e     φ_h: U_h Bᵀ e, B = Σ w_j R_j
+// and of side B in the last two places: c: −e     ω: −(x − c) × e. One thread a row.
 @compute @workgroup_size(64)
 fn contact_rows_of(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (id.x >= min(contacts[contact_header(id.y)].vertex, constants.contacts)) {
+    if (id.x >= contacts[contact_header(id.y)].carrier) {
         return;
     }
     let state = batch[chunk.first + id.y];
@@ -82,8 +98,8 @@ fn contact_rows_of(@builtin(global_invocation_id) id: vec3<u32>) {
     let point = points[contact.vertex];
     let rest = unposed[state.instance * constants.points + contact.vertex];
     let t = unposed_position(point, rest, state.slot * constants.handles);
-    let row = (id.y * constants.contacts + id.x) * constants.contact_blocks;
-    let n = contact.normal;
+    let row = (id.y * row_room() + id.x) * constants.contact_blocks;
+    let n = contact.direction;
     var unposed_normal = vec3<f32>();
     for (var k = 0u; k < point.bones; k++) {
         let w = influences[point.first_influence + k];
@@ -97,37 +113,47 @@ fn contact_rows_of(@builtin(global_invocation_id) id: vec3<u32>) {
         let u = influences[point.first_influence + point.bones + k];
         contact_rows[row + 2u * point.bones + k] = u.weight * unposed_normal;
     }
+    if (contact.carrier > 0u) {
+        let carrier = frames[state.slot * constants.bones + contact.carrier - 1u];
+        let p = skinned_position(point, t, state.slot * constants.bones);
+        let last = row + constants.contact_blocks - 1u;
+        contact_rows[last - 1u] = -n;
+        contact_rows[last] = -cross(p - carrier.position, n);
+    }
 }
 
-// 1 + the place of a block in the vertex's own order, 0 where it does not move it
-fn place_of(block: u32, vertex: u32) -> u32 {
+// 1 + the place of a block in a row, 0 where it does not move it
+fn place_of(block: u32, contact: Contact) -> u32 {
+    if (contact.carrier > 0u && block / 2u == contact.carrier - 1u) {
+        return constants.contact_blocks - 1u + block % 2u;
+    }
     let words = (constants.blocks + 3u) / 4u;
-    return (vertex_blocks[vertex * words + block / 4u] >> (8u * (block % 4u))) & 255u;
+    return (vertex_blocks[contact.vertex * words + block / 4u] >> (8u * (block % 4u))) & 255u;
 }
 
-// For block b of q: how many contacts move it, then each as contact · 256 + its place in the
-// vertex's own order. One workgroup a block.
+// For block b of q: how many rows it moves, then each as row · 256 + its place in it. One workgroup a
+// block.
 @compute @workgroup_size(64)
 fn block_contacts_of(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let active_contacts = min(contacts[contact_header(group.y)].vertex, constants.contacts);
+    let rows = contacts[contact_header(group.y)].carrier;
     let block = group.x;
-    let list = (group.y * constants.blocks + block) * (constants.contacts + 1u);
-    let run = (active_contacts + 63u) / 64u;
-    let begin = min(lane * run, active_contacts);
-    let end = min(begin + run, active_contacts);
+    let list = (group.y * constants.blocks + block) * (row_room() + 1u);
+    let run = (rows + 63u) / 64u;
+    let begin = min(lane * run, rows);
+    let end = min(begin + run, rows);
     var count = 0u;
     for (var k = begin; k < end; k++) {
-        count += u32(place_of(block, contacts[contact_header(group.y) + 1u + k].vertex) > 0u);
+        count += u32(place_of(block, contacts[contact_header(group.y) + 1u + k]) > 0u);
     }
     var at = exclusive_sum(lane, 64u, count);
     if (lane == 63u) {
         block_contacts[list] = at + count;
     }
     for (var k = begin; k < end; k++) {
-        let place = place_of(block, contacts[contact_header(group.y) + 1u + k].vertex);
+        let place = place_of(block, contacts[contact_header(group.y) + 1u + k]);
         if (place > 0u) {
             at++;
             block_contacts[list + at] = k * 256u + place - 1u;

@@ -1,4 +1,5 @@
-// Signed distance of every skin vertex from every collider, both relative to the instance's origin:
+// Signed distance of every skin vertex from every collider, both relative to the instance's origin; a
+// vertex touches nothing that a frame of its own carries:
 //   p = Σ_j w_j ( R_j (T − J_j) + c_j ),  δ = d̂ − d(p);  E = ½ k a δ² where δ > 0
 // One thread a vertex.
 
@@ -12,6 +13,15 @@
 @group(0) @binding(7) var<storage, read> unposed: array<vec3<f32>>;
 @group(0) @binding(8) var<storage, read> colliders: array<Collider>;
 @group(0) @binding(9) var<storage, read_write> distances: array<vec4<f32>>;
+
+// Whether `bone` is among a point's bones.
+fn moves_with(point: Point, bone: u32) -> bool {
+    var found = false;
+    for (var k = 0u; k < point.bones; k++) {
+        found |= influences[point.first_influence + k].index == bone;
+    }
+    return found;
+}
 
 @compute @workgroup_size(64)
 fn contact(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -34,9 +44,19 @@ fn contact(@builtin(global_invocation_id) id: vec3<u32>) {
     let p = skinned_position(point, t, state.slot * constants.bones);
     for (var k = 0u; k < state.colliders; k++) {
         let collider = colliders[state.instance * constants.colliders + k];
+        var rotation = collider.rotation;
+        var position = collider.position;
+        if (collider.carrier > 0u) {
+            if (moves_with(point, collider.carrier - 1u)) {
+                distances[first + k] = vec4(0.0);
+                continue;
+            }
+            let carrier = frames[state.slot * constants.bones + collider.carrier - 1u];
+            rotation = carrier.rotation * collider.rotation;
+            position = carrier.rotation * collider.position + carrier.position;
+        }
         // The collider's own frame: Rᵀ (p − c).
-        let d = signed_distance(collider.shape, collider.parameters,
-            (p - collider.position) * collider.rotation);
-        distances[first + k] = vec4(collider.rotation * d.normal, collider.margin - d.distance);
+        let d = signed_distance(collider.shape, collider.parameters, (p - position) * rotation);
+        distances[first + k] = vec4(rotation * d.normal, collider.margin - d.distance);
     }
 }

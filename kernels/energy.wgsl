@@ -3,6 +3,7 @@
 //   inertia  m/(2h²) (|δ + e|² − |e|²) = m/(2h²) δ·(δ + 2e)      gravity  −m g·δ
 //   elastic  w (Ψ(F) − Ψ(F_base))    damping  w β/(2h) (D : Cⁿ : D − B : Cⁿ : B) with D = B + ΔF the
 //   strain since the step's start    contact  ½ k a (δ₊² − δ_base₊²), δ = d̂ − d
+//   friction  μ λ (f₀(|u_T|) − f₀(|u_T,base|))
 
 struct PartialEnergy {
     inertia: f32,
@@ -11,11 +12,13 @@ struct PartialEnergy {
     damping: f32,
     force: vec3<f32>,  // of the contacts on the skin, N
     contact: f32,
+    friction: f32,
 }
 
 struct Summary {
     energy: PartialEnergy,
     contacts: u32,
+    lagged: u32,
 }
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -32,11 +35,14 @@ struct Summary {
 @group(0) @binding(11) var<storage, read_write> partial_energies: array<PartialEnergy>;
 @group(0) @binding(12) var<storage, read_write> summaries: array<Summary>;
 @group(0) @binding(13) var<storage, read> tissue: array<LocalTissue>;
+@group(0) @binding(14) var<storage, read> lagged: array<Lagged>;
+@group(0) @binding(15) var<storage, read> slips: array<vec4<f32>>;
+@group(0) @binding(16) var<storage, read> frames: array<Frame>;
 
 fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
     return PartialEnergy(
         a.inertia + b.inertia, a.gravity + b.gravity, a.elastic + b.elastic, a.damping + b.damping,
-        a.force + b.force, a.contact + b.contact,
+        a.force + b.force, a.contact + b.contact, a.friction + b.friction,
     );
 }
 
@@ -108,7 +114,32 @@ fn point_energy(
     }
 }
 
-// One thread a skin vertex.
+// n of a lagged contact in a state
+fn lagged_normal(contact: Lagged, slot: u32) -> vec3<f32> {
+    if (contact.carrier == 0u) {
+        return contact.normal;
+    }
+    return frames[slot * constants.bones + contact.carrier - 1u].rotation * contact.normal;
+}
+
+// Adds the lagged contact `k` of the state's instance.
+fn add_friction(k: u32, state: BatchState, out: ptr<function, PartialEnergy>) {
+    let contact = lagged[lagged_header(state.instance) + 1u + k];
+    var u = contact.start;
+    var base_normal = contact.normal;
+    if (!is_start(state.base, state.instance)) {
+        u += slips[state.base * constants.contacts + k].xyz;
+        base_normal = lagged_normal(contact, state.base);
+    }
+    let base = length(tangential(u, base_normal));
+    u = tangential(u + slips[state.slot * constants.contacts + k].xyz,
+        lagged_normal(contact, state.slot));
+    let y = length(u);
+    (*out).friction += contact.limit * smoothed_difference(base, y, state.smoothing);
+    (*out).force -= contact.limit * smoothed_slopes(y, state.smoothing).x * u;
+}
+
+// One thread a skin vertex, which takes its share of the lagged contacts as well.
 @compute @workgroup_size(64)
 fn contact_energy(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -128,6 +159,10 @@ fn contact_energy(
             mine.contact += 0.5 * stiffness * (depth - base_depth) * (depth + base_depth);
             mine.force += stiffness * depth * here.xyz;
         }
+    }
+    let rubbing = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
+    for (var k = i; k < rubbing; k += 64u * constants.vertex_groups) {
+        add_friction(k, state, &mine);
     }
     let sum = tree_sum(lane, mine);
     if (lane == 0u) {
@@ -149,8 +184,9 @@ fn energy(
         mine = sum_of(mine, partial_energies[first + k]);
     }
     let sum = tree_sum(lane, mine);
+    let header = lagged_header(batch[chunk.first + group.y].instance);
     if (lane == 0u) {
         summaries[chunk.first + group.y] =
-            Summary(sum, contacts[contact_header(group.y)].vertex);
+            Summary(sum, contacts[contact_header(group.y)].vertex, lagged[header].vertex);
     }
 }

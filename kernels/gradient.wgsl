@@ -55,7 +55,7 @@ fn point_gradient(@builtin(global_invocation_id) id: vec3<u32>) {
 
 var<workgroup> sums: array<vec3<f32>, 64>;
 
-// Σ over the points of a block, and − Σ k a δ Jᵀn over its contacts. One workgroup a block: lane l
+// Σ over the points of a block, and Σ f Jᵀe over its contacts' rows. One workgroup a block: lane l
 // takes every 64th term, then the lanes are summed in a fixed tree.
 @compute @workgroup_size(64)
 fn gradient(
@@ -68,13 +68,13 @@ fn gradient(
     for (var k = gather_rows[block] + lane; k < gather_rows[block + 1u]; k += 64u) {
         sum += point_gradients[first + gather_entries[k]];
     }
-    let list = (group.y * constants.blocks + block) * (constants.contacts + 1u);
+    let list = (group.y * constants.blocks + block) * (row_room() + 1u);
     for (var k = lane; k < block_contacts[list]; k += 64u) {
         let entry = block_contacts[list + 1u + k];
         let contact = contacts[contact_header(group.y) + 1u + entry / 256u];
-        let at = group.y * constants.contacts + entry / 256u;
+        let at = group.y * row_room() + entry / 256u;
         let row = contact_rows[at * constants.contact_blocks + entry % 256u];
-        sum -= (contact.stiffness * contact.depth) * row;
+        sum += contact.force * row;
     }
     sums[lane] = sum;
     workgroupBarrier();

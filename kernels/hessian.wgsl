@@ -1,5 +1,5 @@
 // The packed lower blocks of the solver's Hessian: Σ of the points' blocks in fixed order, and
-// Σ k a (J_aᵀ n)(J_bᵀ n)ᵀ over the contacts that move both blocks. One thread a block.
+// Σ k (J_aᵀ e)(J_bᵀ e)ᵀ over the contacts' rows that move both blocks. One thread a block.
 
 struct PatternBlock {
     row: u32,
@@ -39,7 +39,7 @@ fn hessian(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     // Both blocks' lists of contacts rise: meet where they agree.
-    let stride = constants.contacts + 1u;
+    let stride = row_room() + 1u;
     let row_list = (id.y * constants.blocks + block.row) * stride;
     let column_list = (id.y * constants.blocks + block.column) * stride;
     let row_end = row_list + block_contacts[row_list];
@@ -51,7 +51,7 @@ fn hessian(@builtin(global_invocation_id) id: vec3<u32>) {
         let there = block_contacts[c];
         let contact = here / 256u;
         if (contact == there / 256u) {
-            let rows = (id.y * constants.contacts + contact) * constants.contact_blocks;
+            let rows = (id.y * row_room() + contact) * constants.contact_blocks;
             let row = contact_rows[rows + here % 256u];
             let column = contacts[contact_header(id.y) + 1u + contact].stiffness
                 * contact_rows[rows + there % 256u];

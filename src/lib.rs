@@ -17,7 +17,7 @@
 //! ([`skeleton`]) are added in f64, and the small dense system is solved by faer.
 //!
 //! **The stages of an evaluation have one name everywhere**: `pose_blend`, `displacement`,
-//! `elasticity`, `contact`, `compact`, `gradient`, `point_hessian`, `hessian`, `energy`, and for the
+//! `elasticity`, `contact`, `friction`, `compact`, `gradient`, `point_hessian`, `hessian`, `energy`, and for the
 //! drawn skin `skin` and `normals`. Stage x is `kernels/x.wgsl`, its host side `src/stage/x.rs`, its
 //! twin `src/reference/x.rs`. Twins are written independently and compared from the same inputs.
 //!

@@ -2,27 +2,37 @@
 
 struct Collider {
     rotation: mat3x3<f32>,
-    position: vec3<f32>,    // relative to the instance's origin
-    stiffness: f32,         // k, Pa/m
-    parameters: vec4<f32>,  // sizes of the shape
-    margin: f32,            // d̂, m
+    position: vec3<f32>,         // relative to the instance's origin, or in the carrier's frame
+    stiffness: f32,              // k, Pa/m
+    parameters: vec4<f32>,       // sizes of the shape
+    margin: f32,                 // d̂, m
     shape: u32,
+    friction: f32,               // μ
+    carrier: u32,                // 1 + the frame that carries it, 0 where its motion is given
+    rotation_change: mat3x3<f32>,  // over the step, where its motion is given
+    position_change: vec3<f32>,
 }
 
-// An active contact. Side A is the vertex with its bones and handles, side B the collider's frame,
-// which is kinematic: it has no degrees of freedom.
+// One direction in which a contact acts: E changes by f (e · δz) + ½ k (e · δz)², z the vertex's place
+// seen from the collider. A push is one row (e = n, f = −k a δ, k = k a), friction is two. Side A is the
+// vertex with its bones and handles, side B the frame that carries the collider.
 struct Contact {
-    normal: vec3<f32>,      // n, out of the collider
-    depth: f32,             // δ = d̂ − d > 0
-    stiffness: f32,         // k a, N/m
+    direction: vec3<f32>,   // e
+    force: f32,             // f, N
+    stiffness: f32,         // k, N/m
     vertex: u32,
-    collider: u32,
+    carrier: u32,           // as a collider's
 }
 
-// A state's list of contacts begins with an item that only counts: its `vertex` is how many were
-// found, also where there was no room for them.
+// Room for rows in a state's list: the push of each contact, and friction's two.
+fn row_room() -> u32 {
+    return 3u * constants.contacts;
+}
+
+// A state's list of rows begins with an item that only counts: its `vertex` is how many contacts were
+// found, also where there was no room for them, its `carrier` how many rows there are.
 fn contact_header(lane: u32) -> u32 {
-    return lane * (constants.contacts + 1u);
+    return lane * (row_room() + 1u);
 }
 
 // Distances are kept as (n, δ), vertex after vertex, the colliders of one vertex in a row.

@@ -26,11 +26,9 @@ impl GpuPotential {
                 }
                 .into());
             }
-            start.validate_contact(&[])?;
-            if start.colliders.iter().any(|c| c.friction > 0.0) {
-                let problem = "only the f64 evaluation has friction so far";
-                return Err(Error::invalid("collider.friction", problem));
-            }
+            start.validate_contact(&self.carriers)?;
+            // Once there was friction, every start's list is made anew.
+            self.rubs |= start.colliders.iter().any(|c| c.friction > 0.0);
         }
         self.batch.clear();
         self.features.clear();
@@ -43,12 +41,20 @@ impl GpuPotential {
                 damping_rate: (self.avatar.damping_time / h) as f32,
                 instance: i as u32,
                 colliders: start.colliders.len() as u32,
+                smoothing: (start.slip_speed * h) as f32,
                 ..BatchState::default()
             };
-            self.colliders.clear();
-            (self.colliders).extend(start.colliders.iter().map(|c| upload::collider(c, origin)));
             let first = i * self.options.colliders;
-            (self.buffers.colliders).write(&self.queue, first, &self.colliders);
+            let buffers = &self.buffers;
+            for (buffer, end) in [
+                (&buffers.previous_colliders, false),
+                (&buffers.colliders, true),
+            ] {
+                self.colliders.clear();
+                let seen = |c| upload::collider(c, origin, end);
+                self.colliders.extend(start.colliders.iter().map(seen));
+                buffer.write(&self.queue, first, &self.colliders);
+            }
 
             // The start's own slot: from qⁿ⁻¹ to qⁿ, undamped.
             self.frames.clear();
@@ -73,6 +79,7 @@ impl GpuPotential {
             chunk: 0,
             states: self.batch.len() as u32,
         };
+        let rubs = self.rubs;
         let damped = self.avatar.damping_time > 0.0;
         // Usually a step starts from the pose that was just drawn: then x̄ of the skin is there already.
         let drawn = self.is_drawn();
@@ -90,6 +97,10 @@ impl GpuPotential {
                     stages.elasticity.dispatch(pass, batch);
                 }
                 stages.contact.dispatch(pass, batch);
+                if rubs {
+                    stages.contact.dispatch_lagged(pass, batch);
+                    stages.friction.dispatch_lag(pass, batch);
+                }
             },
             |_| {},
         );

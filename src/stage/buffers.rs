@@ -1,7 +1,7 @@
 //! Every buffer of a potential, made once, under the names that the kernels use.
 
 use super::shared::{
-    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence,
+    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence, Lagged,
     LocalTissue, Mat3, Motion, PartialEnergy, PatternBlock, Point, SkinVertex, Summary, Tangent,
 };
 use super::tables::{PointTable, Tables};
@@ -14,6 +14,11 @@ use wgpu::BufferUsages;
 
 /// Bytes between two chunks' uniforms: WebGPU's `min_uniform_buffer_offset_alignment`.
 pub(super) const CHUNK_STRIDE: u64 = 256;
+
+/// Rows that `contacts` active contacts may have: a push each, and two of friction.
+pub(super) fn row_room(contacts: usize) -> usize {
+    3 * contacts
+}
 
 /// How many of what.
 #[derive(Clone, Copy, Debug)]
@@ -60,11 +65,16 @@ pub(super) struct Buffers {
     pub frames: Buffer<Frame>,
     pub handles: Buffer<Handle>,
     pub colliders: Buffer<Collider>,
+    pub previous_colliders: Buffer<Collider>,
     // By slot.
     pub motion: Buffer<Motion>,
     pub stress: Buffer<Mat3>,
     pub tangent: Buffer<Tangent>,
     pub distances: Buffer<[f32; 4]>,
+    pub slips: Buffer<[f32; 4]>,
+    // By instance.
+    pub lagged_distances: Buffer<[f32; 4]>,
+    pub lagged: Buffer<Lagged>,
     // By lane.
     pub point_gradients: Buffer<[f32; 4]>,
     pub point_hessians: Buffer<Mat3>,
@@ -92,11 +102,14 @@ impl Buffers {
         let (points, vertices) = (cubature.points.len(), skin.points.len());
         let space = avatar.space();
         let result_stride = space.dofs() + 9 * tables.pattern.len();
+        let rows = row_room(options.contacts);
+        // A vertex's own and a carrier's.
+        let contact_blocks = skin.blocks.longest() + 2;
         // The largest scratch buffers of one state decide how many go at once.
         let scratch = [
             48 * cubature.pairs,
-            4 * space.blocks() * (options.contacts + 1),
-            16 * options.contacts * skin.blocks.longest(),
+            4 * space.blocks() * (rows + 1),
+            16 * rows * contact_blocks,
         ];
         let scratch = scratch.into_iter().max().unwrap_or(1).max(1) as u64;
         let limits = device.limits();
@@ -126,7 +139,7 @@ impl Buffers {
             local_pairs: cubature.pairs as u32,
             colliders: options.colliders as u32,
             contacts: options.contacts as u32,
-            contact_blocks: skin.blocks.longest() as u32,
+            contact_blocks: contact_blocks as u32,
             point_groups: (points as u32).div_ceil(WORKGROUP),
             vertex_groups: (vertices as u32).div_ceil(WORKGROUP),
             density: avatar.density as f32,
@@ -191,21 +204,19 @@ impl Buffers {
             frames: zeroed!("frames", slots * space.frames),
             handles: zeroed!("handles", slots * space.handles),
             colliders: zeroed!("colliders", instances * options.colliders),
+            previous_colliders: zeroed!("previous_colliders", instances * options.colliders),
             motion: zeroed!("motion", slots * points),
             stress: zeroed!("stress", 2 * instances * points),
             tangent: zeroed!("tangent", 2 * instances * points),
             distances: zeroed!("distances", slots * vertices * options.colliders),
+            slips: zeroed!("slips", slots * options.contacts),
+            lagged_distances: zeroed!("lagged_distances", instances * vertices * options.colliders),
+            lagged: zeroed!("lagged", instances * (options.contacts + 1)),
             point_gradients: zeroed!("point_gradients", lanes * cubature.blocks.entries().len()),
             point_hessians: zeroed!("point_hessians", lanes * cubature.pairs),
-            contacts: zeroed!("contacts", states.max(lanes) * (options.contacts + 1)),
-            contact_rows: zeroed!(
-                "contact_rows",
-                lanes * options.contacts * skin.blocks.longest()
-            ),
-            block_contacts: zeroed!(
-                "block_contacts",
-                lanes * space.blocks() * (options.contacts + 1)
-            ),
+            contacts: zeroed!("contacts", states.max(lanes) * (rows + 1)),
+            contact_rows: zeroed!("contact_rows", lanes * rows * contact_blocks),
+            block_contacts: zeroed!("block_contacts", lanes * space.blocks() * (rows + 1)),
             partial_energies: zeroed!("partial_energies", states * partials),
             summaries: zeroed!("summaries", states),
             result: zeroed!("result", instances * result_stride),
@@ -233,6 +244,10 @@ impl Buffers {
             "stress" => Some(self.stress.raw()),
             "tangent" => Some(self.tangent.raw()),
             "distances" => Some(self.distances.raw()),
+            "previous_colliders" => Some(self.previous_colliders.raw()),
+            "lagged_distances" => Some(self.lagged_distances.raw()),
+            "lagged" => Some(self.lagged.raw()),
+            "slips" => Some(self.slips.raw()),
             "contacts" => Some(self.contacts.raw()),
             "block_contacts" => Some(self.block_contacts.raw()),
             "contact_rows" => Some(self.contact_rows.raw()),
@@ -267,6 +282,8 @@ impl Buffers {
             .with("distances", self.distances.raw())
             .with("point_gradients", self.point_gradients.raw())
             .with("point_hessians", self.point_hessians.raw())
+            .with("lagged", self.lagged.raw())
+            .with("slips", self.slips.raw())
             .with("contacts", self.contacts.raw())
             .with("contact_rows", self.contact_rows.raw())
             .with("block_contacts", self.block_contacts.raw())
@@ -293,6 +310,13 @@ impl Buffers {
     /// For kernels over the skin that touches.
     pub fn over_skin(&self) -> Bindings<'_> {
         self.with_points(&self.skin)
+    }
+
+    /// For kernels over the skin at a step's start, against the colliders of tⁿ.
+    pub fn over_lagged_skin(&self) -> Bindings<'_> {
+        self.over_skin()
+            .with("colliders", self.previous_colliders.raw())
+            .with("distances", self.lagged_distances.raw())
     }
 
     /// For kernels over the skin that is drawn, whose x̄ follows its own pose.

@@ -1,6 +1,6 @@
 //! Active contacts in fixed order, and the blocks of q that they move.
 
-use super::buffers::Buffers;
+use super::buffers::{Buffers, row_room};
 use super::{Batch, Sources, WORKGROUP};
 use crate::Result;
 use crate::gpu::Kernel;
@@ -10,16 +10,20 @@ pub(super) const INCLUDES: &[&str] = &[
     "shared/kinematics.wgsl",
     "shared/point_motion.wgsl",
     "shared/contact.wgsl",
+    "shared/friction.wgsl",
+    "shared/exclusive_sum.wgsl",
     "compact.wgsl",
 ];
 
-/// The list of active contacts, each one's row in the reduced space, and each block's contacts.
+/// The rows of the active contacts, each in the reduced space, and each block's rows.
 #[derive(Debug)]
 pub(super) struct Compact {
     compact: Kernel,
+    friction_rows: Kernel,
     contact_rows: Kernel,
     block_contacts: Kernel,
-    contact_groups: u32,
+    lagged_groups: u32,
+    row_groups: u32,
     blocks: u32,
 }
 
@@ -35,16 +39,19 @@ impl Compact {
         let kernel = |entry| module.kernel(device, entry, &buffers.over_skin());
         Ok(Self {
             compact: kernel("compact")?,
+            friction_rows: kernel("friction_rows")?,
             contact_rows: kernel("contact_rows_of")?,
             block_contacts: kernel("block_contacts_of")?,
-            contact_groups: (contacts as u32).div_ceil(WORKGROUP),
+            lagged_groups: (contacts as u32).div_ceil(WORKGROUP),
+            row_groups: (row_room(contacts) as u32).div_ceil(WORKGROUP),
             blocks: blocks as u32,
         })
     }
 
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.compact, pass, 1);
-        batch.dispatch(&self.contact_rows, pass, self.contact_groups);
+        batch.dispatch(&self.friction_rows, pass, self.lagged_groups);
+        batch.dispatch(&self.contact_rows, pass, self.row_groups);
         batch.dispatch(&self.block_contacts, pass, self.blocks);
     }
 }

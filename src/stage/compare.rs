@@ -60,6 +60,9 @@ impl GpuPotential {
                 |stages, pass| {
                     stages.displacement.dispatch(pass, batch(self.batch.len()));
                     stages.contact.dispatch(pass, batch(self.batch.len()));
+                    if self.rubs {
+                        stages.friction.dispatch(pass, batch(self.batch.len()));
+                    }
                     stages.energy.dispatch(pass, batch(trials.len()));
                 },
                 |encoder| {

@@ -20,6 +20,7 @@ pub(super) const INCLUDES: &[&str] = &[
 #[derive(Debug)]
 pub(super) struct Contact {
     contact: Kernel,
+    lagged: Kernel,
     groups: u32,
 }
 
@@ -28,8 +29,14 @@ impl Contact {
         let module = sources.module("contact", INCLUDES)?;
         Ok(Self {
             contact: module.kernel(device, "contact", &buffers.over_skin())?,
+            lagged: module.kernel(device, "contact", &buffers.over_lagged_skin())?,
             groups: (buffers.skin.points.len() as u32).div_ceil(WORKGROUP),
         })
+    }
+
+    /// For the starts, against the colliders of tⁿ.
+    pub fn dispatch_lagged(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+        batch.dispatch(&self.lagged, pass, self.groups);
     }
 
     pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {

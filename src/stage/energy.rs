@@ -12,6 +12,7 @@ pub(super) const INCLUDES: &[&str] = &[
     "shared/tensor.wgsl",
     "shared/decomposition.wgsl",
     "shared/contact.wgsl",
+    "shared/friction.wgsl",
     "shared/tissue.wgsl",
     MATERIAL,
     "energy.wgsl",

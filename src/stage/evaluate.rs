@@ -48,6 +48,9 @@ impl GpuPotential {
                     stages.displacement.dispatch(pass, batch);
                     stages.elasticity.dispatch(pass, batch);
                     stages.contact.dispatch(pass, batch);
+                    if self.rubs {
+                        stages.friction.dispatch(pass, batch);
+                    }
                     stages.compact.dispatch(pass, batch);
                     stages.gradient.dispatch(pass, batch);
                     stages.point_hessian.dispatch(pass, batch);
@@ -108,12 +111,13 @@ fn float(bytes: &[u8]) -> f32 {
 }
 
 fn check_contacts(summary: &Summary, instance: u32, capacity: usize) -> Result<()> {
-    if summary.contacts as usize <= capacity {
+    let found = summary.contacts.max(summary.lagged);
+    if found as usize <= capacity {
         return Ok(());
     }
     Err(GpuError::Limit {
         what: format!("active contacts of instance {instance}"),
-        needed: u64::from(summary.contacts),
+        needed: u64::from(found),
         limit: capacity as u64,
         cure: "raise GpuOptions::contacts",
     }
@@ -129,7 +133,7 @@ pub(super) fn energies(summary: &Summary) -> Result<Energies> {
         elastic: e.elastic.into(),
         damping: e.damping.into(),
         contact: e.contact.into(),
-        friction: 0.0,
+        friction: e.friction.into(),
     };
     if energies.total().is_finite() && e.force.iter().all(|f| f.is_finite()) {
         return Ok(energies);

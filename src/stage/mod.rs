@@ -10,6 +10,7 @@ mod draw;
 mod elasticity;
 mod energy;
 mod evaluate;
+mod friction;
 mod gradient;
 mod hessian;
 mod normals;
@@ -52,6 +53,7 @@ const KERNELS: &[(&str, &[&str])] = &[
     ("displacement", displacement::INCLUDES),
     ("elasticity", elasticity::INCLUDES),
     ("contact", contact::INCLUDES),
+    ("friction", friction::INCLUDES),
     ("compact", compact::INCLUDES),
     ("gradient", gradient::INCLUDES),
     ("point_hessian", point_hessian::INCLUDES),

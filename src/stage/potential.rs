@@ -6,6 +6,7 @@ use super::contact::Contact;
 use super::displacement::Displacement;
 use super::elasticity::Elasticity;
 use super::energy::Energy;
+use super::friction::Friction;
 use super::gradient::Gradient;
 use super::hessian::Hessian;
 use super::normals::Normals;
@@ -69,6 +70,7 @@ pub(super) struct Stages {
     pub displacement: Displacement,
     pub elasticity: Elasticity,
     pub contact: Contact,
+    pub friction: Friction,
     pub compact: Compact,
     pub gradient: Gradient,
     pub point_hessian: PointHessian,
@@ -89,6 +91,10 @@ pub struct GpuPotential {
     pub(super) name: String,
     pub(super) avatar: Arc<Avatar>,
     pub(super) pattern: BlockPattern,
+    /// Frames that may carry colliders.
+    pub(super) carriers: Vec<u32>,
+    /// Whether any collider has had friction so far.
+    pub(super) rubs: bool,
     pub(super) options: GpuOptions,
     pub(super) buffers: Buffers,
     pub(super) stages: Stages,
@@ -133,6 +139,7 @@ impl GpuPotential {
             displacement: Displacement::new(device, sources, &buffers)?,
             elasticity: Elasticity::new(device, sources, &buffers)?,
             contact: Contact::new(device, sources, &buffers)?,
+            friction: Friction::new(device, sources, &buffers, options.contacts)?,
             compact: Compact::new(device, sources, &buffers, options.contacts, blocks)?,
             gradient: Gradient::new(device, sources, &buffers, blocks)?,
             point_hessian: PointHessian::new(device, sources, &buffers)?,
@@ -157,6 +164,8 @@ impl GpuPotential {
             colliders: Vec::with_capacity(options.colliders),
             features: Vec::with_capacity(buffers.features.len()),
             pattern: tables.pattern,
+            carriers: avatar.carriers(),
+            rubs: false,
             name: device.adapter_info().name,
             device: device.clone(),
             queue: queue.clone(),

@@ -17,6 +17,7 @@ const STAGES: &[(&str, Dispatch)] = &[
     }),
     ("elasticity", |s, pass, b| s.elasticity.dispatch(pass, b)),
     ("contact", |s, pass, b| s.contact.dispatch(pass, b)),
+    ("friction", |s, pass, b| s.friction.dispatch(pass, b)),
     ("compact", |s, pass, b| s.compact.dispatch(pass, b)),
     ("gradient", |s, pass, b| s.gradient.dispatch(pass, b)),
     ("point_hessian", |s, pass, b| {

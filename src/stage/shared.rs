@@ -59,8 +59,10 @@ host_shareable! {
         pub base: u32,
         /// Colliders of the instance.
         pub colliders: u32,
+        /// ε = ε_v h, m.
+        pub smoothing: f32,
         /// Padding.
-        pub _pad: [u32; 3],
+        pub _pad: [u32; 2],
     }
 
     /// Which states of a batch a dispatch takes (kernels/shared/batch.wgsl).
@@ -193,24 +195,52 @@ host_shareable! {
         pub margin: f32,
         /// Number of the shape.
         pub shape: u32,
+        /// μ.
+        pub friction: f32,
+        /// 1 + the frame that carries it, 0 where its motion is given.
+        pub carrier: u32,
+        /// R − Rⁿ, where its motion is given.
+        pub rotation_change: Mat3,
+        /// c − cⁿ, m, where its motion is given.
+        pub position_change: [f32; 3],
         /// Padding.
-        pub _pad: [u32; 2],
+        pub _pad: u32,
     }
 
-    /// An active contact (kernels/shared/contact.wgsl).
+    /// One direction in which a contact acts (kernels/shared/contact.wgsl).
     pub struct Contact {
-        /// n, out of the collider.
-        pub normal: [f32; 3],
-        /// δ = d̂ − d, m.
-        pub depth: f32,
-        /// k a, N/m.
+        /// e, a unit vector.
+        pub direction: [f32; 3],
+        /// f, N.
+        pub force: f32,
+        /// k, N/m.
         pub stiffness: f32,
         /// Skin vertex.
         pub vertex: u32,
+        /// 1 + the frame that carries the collider, 0 where its motion is given.
+        pub carrier: u32,
+        /// Padding.
+        pub _pad: u32,
+    }
+
+    /// A contact of qⁿ with a rough collider (kernels/shared/friction.wgsl).
+    pub struct Lagged {
+        /// a, m.
+        pub anchor: [f32; 3],
+        /// μ λ, N.
+        pub limit: f32,
+        /// n.
+        pub normal: [f32; 3],
+        /// Skin vertex.
+        pub vertex: u32,
+        /// u at qⁿ, m.
+        pub start: [f32; 3],
+        /// As a collider's.
+        pub carrier: u32,
         /// Collider of the instance.
         pub collider: u32,
         /// Padding.
-        pub _pad: u32,
+        pub _pad: [u32; 3],
     }
 
     /// A stored block of the Hessian and its terms (kernels/hessian.wgsl).
@@ -239,6 +269,10 @@ host_shareable! {
         pub force: [f32; 3],
         /// Σ ½ k a δ².
         pub contact: f32,
+        /// Σ μ λ f₀(|u_T|).
+        pub friction: f32,
+        /// Padding.
+        pub _pad: [u32; 3],
     }
 
     /// What is read back of every state (kernels/energy.wgsl).
@@ -247,8 +281,10 @@ host_shareable! {
         pub energy: PartialEnergy,
         /// Active contacts found, also where there was no room for them.
         pub contacts: u32,
+        /// Contacts of the step's start that rub, likewise.
+        pub lagged: u32,
         /// Padding.
-        pub _pad: [u32; 3],
+        pub _pad: [u32; 2],
     }
 
     /// A vertex of the drawn skin (kernels/skin.wgsl).
@@ -279,6 +315,7 @@ pub const SHARED_STRUCTS: &[StructLayout<'static>] = &[
     Tangent::LAYOUT,
     Collider::LAYOUT,
     Contact::LAYOUT,
+    Lagged::LAYOUT,
     PatternBlock::LAYOUT,
     PartialEnergy::LAYOUT,
     Summary::LAYOUT,

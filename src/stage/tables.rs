@@ -9,8 +9,8 @@ use glam::DVec3;
 
 /// Blocks that may move one cubature point: `MAX_BLOCKS` of point_hessian.wgsl.
 const MAX_POINT_BLOCKS: usize = 192;
-/// Blocks that may move one skin vertex: places are bytes, 0 meaning none.
-const MAX_VERTEX_BLOCKS: usize = 255;
+/// Blocks that may move one skin vertex: places are bytes, 0 meaning none, and the last two a carrier's.
+const MAX_VERTEX_BLOCKS: usize = 253;
 
 pub(super) fn round(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
@@ -110,7 +110,8 @@ impl Tables {
         let space = avatar.space();
         let cubature = PointTable::new(space, &avatar.cubature, "cubature", MAX_POINT_BLOCKS)?;
         let skin = PointTable::new(space, &avatar.skin, "skin", MAX_VERTEX_BLOCKS)?;
-        let pattern = BlockPattern::new(space, &[&avatar.cubature, &avatar.skin]);
+        let pattern = BlockPattern::new(space, &[&avatar.cubature, &avatar.skin])
+            .with_carriers(&avatar.carriers(), &skin.blocks);
 
         let mut gather = vec![Vec::new(); space.blocks()];
         for (local, &block) in cubature.blocks.entries().iter().enumerate() {

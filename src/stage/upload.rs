@@ -45,15 +45,24 @@ fn handles<'a>(base: &'a State, state: &'a State) -> impl Iterator<Item = Handle
         })
 }
 
-/// A collider at the end of the step, seen from `origin`.
-pub(super) fn collider(collider: &collider::Collider, origin: DVec3) -> Collider {
+/// A collider at the end of the step or, else, at its start, seen from `origin`.
+pub(super) fn collider(collider: &collider::Collider, origin: DVec3, end: bool) -> Collider {
+    let seen = collider.relative_to(origin);
+    // What is carried stands in its carrier's frame all the time.
+    let still = collider.carrier.is_some();
+    let (frame, previous) = (seen.frame, if still { seen.frame } else { seen.previous });
+    let place = if end { frame } else { previous };
     Collider {
-        rotation: columns(collider.frame.rotation),
-        position: round(collider.frame.position - origin),
+        rotation: columns(place.rotation),
+        position: round(place.position),
         stiffness: collider.stiffness as f32,
         parameters: collider.shape.parameters(),
         margin: collider.margin as f32,
         shape: collider.shape.index(),
+        friction: collider.friction as f32,
+        carrier: collider.carrier.map_or(0, |frame| frame + 1),
+        rotation_change: columns(frame.rotation - previous.rotation),
+        position_change: round(frame.position - previous.position),
         ..Collider::default()
     }
 }

@@ -44,6 +44,8 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
         Collider {
             stiffness: 1e6,
             margin: 3e-3,
+            friction: 0.5,
+            previous: frame.moved(random.vector(1e-3), random.vector(0.01)),
             ..Collider::new(shape, frame)
         }
     };

@@ -114,6 +114,23 @@ fn it_agrees_with_the_f64_evaluation() {
     for case in [touching, free] {
         agrees(&gpu, &avatar, &case);
     }
+    // The first collider is carried by a body, at its very place.
+    let mut avatar = Avatar::clone(&avatar);
+    let body = avatar.skeleton.len() as u32;
+    avatar.skeleton.names.push("body".into());
+    avatar.skeleton.parents.push(None);
+    avatar.skeleton.joints.push(avatar.skeleton.joints[0]);
+    avatar.bone_masses.push(avatar.bone_masses[0]);
+    let avatar = Arc::new(avatar);
+    let mut carried = case(3, &avatar);
+    let place = carried.current.frames[body as usize];
+    let collider = &mut carried.colliders[0];
+    collider.carrier = Some(body);
+    collider.frame = supple::model::Frame {
+        rotation: place.rotation.transpose() * collider.frame.rotation,
+        position: place.inverse_transform(collider.frame.position),
+    };
+    agrees(&gpu, &avatar, &carried);
 }
 
 fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {

@@ -1,7 +1,7 @@
 //! The energy kernel: from the step's start, as an evaluation has it, and from any base, as a trial has it.
 
 use super::bound::{Comparison, Outcome, abs};
-use super::contacts::distances;
+use super::contacts::{distances, slid, smoothing};
 use super::material::Magnitudes;
 use super::points::mat9;
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, vec};
@@ -10,6 +10,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::model::BasisEntry;
 use supple::reference::elasticity::displacement_gradient;
 use supple::reference::energy as twin;
+use supple::reference::friction::smoothed_slopes;
 use supple::stage::shared;
 
 fn abs_gradient(basis: &[BasisEntry], handles: &[DVec3]) -> DMat3 {
@@ -41,7 +42,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
     let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", INSTANCE, set.len());
     let rate = scene.avatar.damping_time / TIME_STEP;
 
-    let (mut want, mut magnitude) = ([0.0; 5], [0.0; 5]);
+    let (mut want, mut magnitude) = ([0.0; 6], [0.0; 6]);
     let mut add = |term: usize, value: f64, size: f64| {
         want[term] += value;
         magnitude[term] += size;
@@ -107,6 +108,17 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         abs_force += stiffness * depth * vec([x, y, z]).abs();
     }
 
+    for [(contact, before), (_, after)] in slid(scene, phase, slot, (!from_start).then_some(base)) {
+        let (b, y) = (before.length(), after.length());
+        let sizes = before.displacement.length() + after.displacement.length();
+        let value = twin::friction(contact.limit, smoothing(), b, y);
+        add(5, value, 4.0 * contact.limit * sizes);
+        let (over_length, _) = smoothed_slopes(y, smoothing());
+        force -= contact.limit * over_length * after.tangential();
+        let cancelled = after.displacement.length() / y.min(smoothing());
+        abs_force += DVec3::splat(4.0 * contact.limit * (1.0 + cancelled));
+    }
+
     let summary: shared::Summary = scene.items(phase, "summaries", at, 1)[0];
     let got = summary.energy;
     let terms = [
@@ -115,10 +127,11 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         got.elastic,
         got.damping,
         got.contact,
+        got.friction,
     ];
     let mut out = Comparison::default();
     let roundings = roundings + 6 + 1 + 6;
-    for k in 0..5 {
+    for k in 0..6 {
         out.number(f64::from(terms[k]), want[k], magnitude[k], roundings);
         if want[k] == 0.0 {
             return Err(format!("energy {k} of the twin is zero"));

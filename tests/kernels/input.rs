@@ -41,6 +41,9 @@ fn material(seed: u64) -> Material {
     }
 }
 
+/// The frame without tissue.
+pub const BODY: u32 = 5;
+
 /// A random avatar whose numbers are exact in f32, some points naming their bones in falling order.
 pub fn avatar(seed: u64) -> Avatar {
     let mut avatar = random_avatar(seed, 5, 9, 90, 150);
@@ -67,6 +70,29 @@ pub fn avatar(seed: u64) -> Avatar {
         set.skinning = some_reversed(&set.skinning.map(weight));
         set.basis = set.basis.map(entry);
     }
+    with_body(avatar)
+}
+
+/// `avatar` with a frame more, a body without tissue that carries colliders and has a few vertices of the skin.
+fn with_body(mut avatar: Avatar) -> Avatar {
+    let body = avatar.skeleton.len() as u32;
+    avatar.skeleton.names.push("body".into());
+    avatar.skeleton.parents.push(None);
+    avatar.skeleton.joints.push(DVec3::splat(0.015625));
+    avatar.bone_masses.push(avatar.bone_masses[0]);
+    let whole = [SkinWeight {
+        bone: body,
+        weight: 1.0,
+    }];
+    let skin = &mut avatar.skin;
+    let skinning = skin.skinning.iter().enumerate();
+    skin.skinning = skinning
+        .map(|(v, row)| if v < 6 { whole.to_vec() } else { row.to_vec() })
+        .collect();
+    let basis = skin.basis.iter().enumerate();
+    skin.basis = basis
+        .map(|(v, row)| if v < 6 { Vec::new() } else { row.to_vec() })
+        .collect();
     avatar
 }
 
@@ -96,10 +122,19 @@ pub fn colliders(seed: u64, origin: DVec3) -> Vec<Collider> {
         Collider {
             stiffness: single(random.uniform(1e6, 2e6)),
             margin: single(random.uniform(2e-3, 6e-3)),
+            friction: 0.5,
+            previous: frame.moved(random.vector(1e-3), random.vector(0.02)),
             ..Collider::new(rounded_shape(shape), frame)
         }
     };
-    Shape::examples().into_iter().map(collider).collect()
+    let mut colliders: Vec<_> = Shape::examples().into_iter().map(collider).collect();
+    // Every other one is carried by the body, the last frame; one is smooth.
+    for collider in colliders.iter_mut().step_by(2) {
+        collider.frame.position -= origin;
+        collider.carrier = Some(BODY);
+    }
+    colliders[1].friction = 0.0;
+    colliders
 }
 
 fn rounded_shape(shape: Shape) -> Shape {

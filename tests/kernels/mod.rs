@@ -21,6 +21,7 @@ pub const CHECKS: &[Check] = &[
     ("displacement", points::displacement),
     ("elasticity", points::elasticity),
     ("contact", contacts::contact),
+    ("friction", contacts::friction),
     ("compact", contacts::compact),
     ("gradient", sums::gradient),
     ("point_hessian", sums::point_hessian),

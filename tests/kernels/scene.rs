@@ -19,6 +19,8 @@ use supple::stage::{GpuOptions, GpuPotential, Sources, shared};
 /// h: a power of two, so that its inverse is exact.
 pub const TIME_STEP: f64 = 1.0 / 128.0;
 pub const GRAVITY: DVec3 = DVec3::new(1.5, -2.25, 9.75);
+/// So that of the slips some are below it and some above.
+pub const SLIP_SPEED: f64 = 0.125;
 pub const OPTIONS_COLLIDERS: usize = 6;
 pub const OPTIONS_CONTACTS: usize = 600;
 
@@ -46,6 +48,11 @@ const LOOKED_AT: &[(Phase, &[&str])] = &[
             "stress",
             "tangent",
             "distances",
+            "colliders",
+            "previous_colliders",
+            "lagged_distances",
+            "lagged",
+            "slips",
             "contacts",
             "block_contacts",
             "contact_rows",
@@ -56,7 +63,15 @@ const LOOKED_AT: &[(Phase, &[&str])] = &[
     ),
     (
         Phase::Compared,
-        &["handles", "motion", "tangent", "distances", "summaries"],
+        &[
+            "frames",
+            "handles",
+            "motion",
+            "tangent",
+            "distances",
+            "slips",
+            "summaries",
+        ],
     ),
     (
         Phase::Drawn,
@@ -133,7 +148,7 @@ impl Scene {
                 current: &current[i],
                 colliders: &colliders[i],
                 tissue_gravity: GRAVITY,
-                slip_speed: 1e-3,
+                slip_speed: SLIP_SPEED,
             })
             .collect();
 

@@ -2,7 +2,7 @@
 
 use super::INSTANCE;
 use super::bound::{Comparison, Outcome, abs, abs_cross, abs_skew};
-use super::contacts::{listed, rows, vertex_blocks};
+use super::contacts::{listed, places, rows, vertex_blocks};
 use super::points::{mat9, minus_joints};
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, vec};
 use supple::glam::{DMat3, DVec3};
@@ -158,9 +158,9 @@ pub fn gradient(scene: &Scene) -> Outcome {
         }
     }
     for (k, contact) in listed(scene).iter().enumerate() {
-        let blocks = vertex_blocks(scene, contact.vertex as usize);
-        for (&block, row) in blocks.iter().zip(rows(scene, k)) {
-            add(block, contact.force * row);
+        let levers = rows(scene, k);
+        for (block, place) in places(scene, contact) {
+            add(block, contact.force * levers[place]);
         }
     }
     for block in 0..blocks {
@@ -269,13 +269,15 @@ pub fn hessian(scene: &Scene) -> Outcome {
         order.iter().map(move |&k| blocks[k]).collect::<Vec<_>>()
     });
     let skin = Incidence::new(&scene.pattern, skin_blocks.collect());
-    let stride = orders.iter().map(Vec::len).max().unwrap_or(0);
+    let stride = orders.iter().map(Vec::len).max().unwrap_or(0) + 2;
     let mut levers = vec![DVec3::ZERO; contacts.len() * stride];
     for (k, contact) in contacts.iter().enumerate() {
         let rows = rows(scene, k);
         for (place, &from) in orders[contact.vertex as usize].iter().enumerate() {
             levers[k * stride + place] = rows[from];
         }
+        let own = orders[contact.vertex as usize].len();
+        levers[k * stride + own..][..2].copy_from_slice(&rows[rows.len() - 2..]);
     }
     let abs_levers: Vec<DVec3> = levers.iter().map(|l| l.abs()).collect();
     let abs_parts: Vec<Vec<DMat3>> = (sorted_parts.iter())

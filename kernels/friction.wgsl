@@ -1,0 +1,118 @@
+// Friction's own records: the contacts of a step's start that rub, and how each has slid since,
+//   u = d − (ΔR a + Δc),
+// d the vertex's displacement since qⁿ and (ΔR, Δc) that of the frame that the collider is fixed to,
+// both from increments.
+
+@group(0) @binding(0) var<uniform> constants: Constants;
+@group(0) @binding(1) var<uniform> chunk: Chunk;
+@group(0) @binding(2) var<storage, read> batch: array<BatchState>;
+@group(0) @binding(3) var<storage, read> points: array<Point>;
+@group(0) @binding(4) var<storage, read> influences: array<Influence>;
+@group(0) @binding(5) var<storage, read> frames: array<Frame>;
+@group(0) @binding(6) var<storage, read> handles: array<Handle>;
+@group(0) @binding(7) var<storage, read> unposed: array<vec3<f32>>;
+@group(0) @binding(8) var<storage, read> colliders: array<Collider>;
+@group(0) @binding(9) var<storage, read> distances: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read_write> lagged: array<Lagged>;
+@group(0) @binding(11) var<storage, read_write> slips: array<vec4<f32>>;
+
+// Lists what touches a rough collider at qⁿ, with λ = k a δ and n in world axes; `distances` and
+// `colliders` are those of tⁿ. One workgroup a state; each thread takes a run of vertex–collider pairs.
+@compute @workgroup_size(256)
+fn lag(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let state = batch[chunk.first + group.y];
+    let first = first_distance(state.slot, 0u, state.colliders);
+    let first_collider = state.instance * constants.colliders;
+    let pairs = constants.points * state.colliders;
+    let run = (pairs + 255u) / 256u;
+    let begin = min(lane * run, pairs);
+    let end = min(begin + run, pairs);
+    var count = 0u;
+    for (var pair = begin; pair < end; pair++) {
+        let rough = colliders[first_collider + pair % state.colliders].friction > 0.0;
+        count += u32(rough && distances[first + pair].w > 0.0);
+    }
+    var at = exclusive_sum(lane, 256u, count);
+    let header = lagged_header(state.instance);
+    if (lane == 255u) {
+        lagged[header].vertex = at + count;
+    }
+    for (var pair = begin; pair < end; pair++) {
+        let d = distances[first + pair];
+        let index = pair % state.colliders;
+        let collider = colliders[first_collider + index];
+        if (collider.friction > 0.0 && d.w > 0.0) {
+            if (at < constants.contacts) {
+                let vertex = pair / state.colliders;
+                let force = collider.stiffness * points[vertex].measure * d.w;
+                lagged[header + 1u + at] = Lagged(vec3(0.0), collider.friction * force, d.xyz,
+                    vertex, vec3(0.0), collider.carrier, index);
+            }
+            at++;
+        }
+    }
+}
+
+// Into the frame that the collider is fixed to: a, n and u at qⁿ. One thread a lagged contact.
+@compute @workgroup_size(64)
+fn anchor(@builtin(global_invocation_id) id: vec3<u32>) {
+    let state = batch[chunk.first + id.y];
+    let header = lagged_header(state.instance);
+    if (id.x >= min(lagged[header].vertex, constants.contacts)) {
+        return;
+    }
+    let at = header + 1u + id.x;
+    let contact = lagged[at];
+    let point = points[contact.vertex];
+    let rest = unposed[state.instance * constants.points + contact.vertex];
+    let t = unposed_position(point, rest, state.slot * constants.handles);
+    let p = skinned_position(point, t, state.slot * constants.bones);
+    if (contact.carrier > 0u) {
+        let carrier = frames[state.slot * constants.bones + contact.carrier - 1u];
+        lagged[at].anchor = (p - carrier.position) * carrier.rotation;
+        lagged[at].normal = contact.normal * carrier.rotation;
+        return;
+    }
+    let collider = colliders[state.instance * constants.colliders + contact.collider];
+    let a = (p - collider.position) * collider.rotation;
+    let n = contact.normal * collider.rotation;
+    lagged[at].anchor = a;
+    lagged[at].normal = collider.rotation * n + collider.rotation_change * n;
+    lagged[at].start = -(collider.rotation_change * a + collider.position_change);
+}
+
+// What a state's increments from its base add to u. One thread a lagged contact.
+@compute @workgroup_size(64)
+fn slip(@builtin(global_invocation_id) id: vec3<u32>) {
+    let state = batch[chunk.first + id.y];
+    let header = lagged_header(state.instance);
+    if (id.x >= min(lagged[header].vertex, constants.contacts)) {
+        return;
+    }
+    let contact = lagged[header + 1u + id.x];
+    let point = points[contact.vertex];
+    var t_base = unposed[state.instance * constants.points + contact.vertex];
+    var t_increment = vec3<f32>();
+    let first_handle = point.first_influence + point.bones;
+    for (var k = 0u; k < point.handles; k++) {
+        let u = influences[first_handle + k];
+        let phi = handles[state.slot * constants.handles + u.index];
+        t_base += u.weight * phi.displacement;
+        t_increment += u.weight * phi.increment;
+    }
+    var u = vec3<f32>();
+    for (var k = 0u; k < point.bones; k++) {
+        let w = influences[point.first_influence + k];
+        let f = state.slot * constants.bones + w.index;
+        u += w.weight * (frames[f].rotation_increment * (t_base - frames[f].joint)
+            + frames[f].rotation * t_increment + frames[f].position_increment);
+    }
+    if (contact.carrier > 0u) {
+        let f = state.slot * constants.bones + contact.carrier - 1u;
+        u -= frames[f].rotation_increment * contact.anchor + frames[f].position_increment;
+    }
+    slips[state.slot * constants.contacts + id.x] = vec4(u, 0.0);
+}
