@@ -53,4 +53,5 @@ figures![
     convergence,
     stability,
     bone_press,
+    compression
 ];

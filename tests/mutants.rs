@@ -73,7 +73,7 @@ const MUTANTS: &[Mutant] = &[
     ("elasticity", "shared/positive_part.wgsl", "(*a).rows[k][q] = r.z * kp + r.y * kq", "(*a).rows[k][q] = r.z * kp - r.y * kq"),
     ("elasticity", "shared/positive_part.wgsl", "(*v).rows[k][p] = r.y * vp - r.z * vq", "(*v).rows[k][p] = r.y * vp + r.z * vq"),
     ("elasticity", "shared/positive_part.wgsl", "sweep < 7", "sweep < 1"),
-    ("elasticity", "shared/positive_part.wgsl", "pivot -= l.rows[j][k] * l.rows[j][k]", "pivot -= l.rows[k][j] * l.rows[k][j]"),
+    ("elasticity", "shared/positive_part.wgsl", "pivot -= l.rows[j][k] * l.rows[j][k]", "pivot += l.rows[j][k] * l.rows[j][k]"),
     ("elasticity", "shared/positive_part.wgsl", "add_mode(out, -value, mode)", "add_mode(out, value, mode)"),
     ("elasticity", "shared/positive_part.wgsl", "if (value < 0.0)", "if (value > 0.0)"),
     ("elasticity", "shared/decomposition.wgsl", "let theta = (qq - pp)", "let theta = (pp - qq)"),

@@ -9,6 +9,7 @@
 
 mod bone_press;
 mod check;
+mod compression;
 mod convergence;
 mod cubature;
 mod curves;
@@ -28,6 +29,7 @@ mod stability;
 mod static_poses;
 mod studio;
 mod table_1;
+mod uniaxial;
 mod walk;
 
 pub use check::{Bound, Check};
@@ -65,4 +67,5 @@ pub const FIGURES: &[Figure] = &[
     convergence::FIGURE,
     stability::FIGURE,
     bone_press::FIGURE,
+    compression::FIGURE,
 ];

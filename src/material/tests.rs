@@ -358,6 +358,31 @@ fn a_point_turns_the_material_and_scales_it() {
     }
 }
 
+/// What has no axes and is as stiff as the material costs and changes nothing, not even the last bit.
+#[test]
+fn an_isotropic_point_of_its_own_stiffness_is_the_material_bit_for_bit() {
+    let random = &mut Random::new(10);
+    for material in Material::examples()
+        .into_iter()
+        .filter(Material::is_isotropic)
+    {
+        for f in samples(random) {
+            let point = material.at(LocalTissue {
+                stiffness: 1.0,
+                axes: glam::DQuat::from_mat3(&random.rotation(3.0)).normalize(),
+            });
+            let change = random.matrix(0.1);
+            assert_eq!(point.pk1_stress(f), material.pk1_stress(f));
+            assert_eq!(point.projected_tangent(f), material.projected_tangent(f));
+            let (own, plain) = (
+                point.energy_difference(f, change),
+                material.energy_difference(f, change),
+            );
+            assert_eq!(own.to_bits(), plain.to_bits());
+        }
+    }
+}
+
 #[test]
 fn equal_moduli_have_no_axes() {
     let model = Material::Orthotropic(Orthotropic {

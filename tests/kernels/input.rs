@@ -22,6 +22,12 @@ pub fn seeds(count: u64) -> Vec<u64> {
         .collect()
 }
 
+/// How far out handles are: the farther, the more of the points are inverted and past the clamp, and the less a bound
+/// says of those that are not.
+pub fn reach(seed: u64) -> f64 {
+    if seed == 102 { 8.0 } else { 40.0 }
+}
+
 /// Compressible, so that terms of the volume do not hide those of the shape; saturating over the strains that occur.
 fn material(seed: u64) -> Material {
     let (youngs_modulus, poissons_ratio) = (3e4, 0.1);

@@ -193,8 +193,7 @@ pub fn elasticity(scene: &Scene) -> Outcome {
             }
         }
     }
-    let (least, most) = (set.len() / 5, 2 * set.len() - set.len() / 5);
-    if !scene.avatar.material.is_isotropic() && !(least..most).contains(&clamped) {
+    if 10 * clamped > 19 * set.len() {
         return Err(format!("{clamped} of {} points are clamped", 2 * set.len()));
     }
     out.finish("P and C")

@@ -1,6 +1,6 @@
 //! A seeded random scene run on the device, and everything its kernels read and wrote.
 
-use super::input::{avatar, colliders, rounded_collider};
+use super::input::{avatar, colliders, reach, rounded_collider};
 use super::{INSTANCE, INSTANCES};
 use bytemuck::AnyBitPattern;
 use std::collections::HashMap;
@@ -129,7 +129,7 @@ impl Scene {
             .map(|i| random_state(seed + i as u64, &avatar, 0.4, 2e-3))
             .collect();
         for state in &mut previous {
-            state.handles.iter_mut().for_each(|phi| *phi *= 40.0);
+            state.handles.iter_mut().for_each(|phi| *phi *= reach(seed));
         }
         let mut moved = |states: &[State], size: f64| -> Vec<State> {
             let steps = states.iter().map(|s| s.moved(&step(random, size), 1.0));
