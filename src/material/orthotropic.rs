@@ -48,7 +48,7 @@ pub struct Orthotropic {
 
 impl Default for Orthotropic {
     /// Subcutaneous tissue with its skin: 10 kPa across, half as stiff again in the skin's plane, and stiffening from a stretch
-    /// of about 1.3 on; a bar pressed to 40 % keeps about as much of its volume as the ground substance alone.
+    /// of about 1.3 on. A bar of it pressed to 40 % loses 35 % of its volume, 15 % of the ground substance alone (ν = 0.45).
     fn default() -> Self {
         Self {
             youngs_modulus: 1e4,
