@@ -122,11 +122,12 @@ fn press(studio: &Studio, page: &mut Page) -> Result<()> {
                 "mm",
                 Bound::AtMost(0.01),
             ),
+            // More than a bar with free sides (15 % of the ground substance, see below), less than with held ones.
             (
                 "volume change between plate and bone",
                 volume,
                 "%",
-                Bound::Within(-35.0, 0.0),
+                Bound::Within(-100.0 * COMPRESSION, -10.0),
             ),
             (
                 "skin from its rest half a second after the release",
