@@ -45,7 +45,7 @@ fn materials() -> Vec<(String, Material)> {
             saturation_limit,
             ..tissue
         };
-        let name = format!("saturating early, Q ≤ {saturation_limit}");
+        let name = format!("saturating early, Q up to {saturation_limit}");
         (name, Material::Orthotropic(model))
     };
     vec![
@@ -53,7 +53,10 @@ fn materials() -> Vec<(String, Material)> {
             "stable neo-Hookean".into(),
             Material::StableNeoHookean(tissue.ground()),
         ),
-        ("orthotropic, Q ≤ 3".into(), Material::Orthotropic(tissue)),
+        (
+            "orthotropic, Q up to 3".into(),
+            Material::Orthotropic(tissue),
+        ),
         early(0.5),
         early(12.0),
     ]
