@@ -50,8 +50,12 @@ figures![
     cubature,
     reduced_full,
     table_1,
+    bases_hand,
+    bases_chest,
+    pin_press,
     convergence,
     stability,
     bone_press,
-    compression
+    compression,
+    elastic_extension,
 ];

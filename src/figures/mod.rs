@@ -7,6 +7,7 @@
 //!
 //! A new figure is one file here and one line in [`FIGURES`].
 
+mod bases;
 mod bone_press;
 mod check;
 mod compression;
@@ -14,15 +15,18 @@ mod convergence;
 mod cubature;
 mod curves;
 mod cylinders;
+mod elastic_extension;
 mod gallery;
 mod html;
 mod layers;
 mod measure;
 mod page;
+mod pin_press;
 mod poses;
 pub mod press;
 mod reduced_full;
 mod rigid_soft;
+mod skins;
 mod spectrum;
 mod spin;
 mod stability;
@@ -64,8 +68,12 @@ pub const FIGURES: &[Figure] = &[
     cubature::FIGURE,
     reduced_full::FIGURE,
     table_1::FIGURE,
+    bases::HAND,
+    bases::CHEST,
+    pin_press::FIGURE,
     convergence::FIGURE,
     stability::FIGURE,
     bone_press::FIGURE,
     compression::FIGURE,
+    elastic_extension::FIGURE,
 ];

@@ -79,7 +79,7 @@ pub fn press_full_space(avatar: &Avatar, depths: &[f64]) -> Result<Pressed> {
     press_with(&avatar, potential, Some(solver), depths)
 }
 
-/// The same of any basis, with a linear solver of one's own. Steps are so long that inertia is nothing.
+/// The same of any basis, with a linear solver of one's own.
 ///
 /// # Errors
 /// Whatever a step says.
@@ -88,6 +88,31 @@ pub fn press_with<B: Basis>(
     potential: Reference<B>,
     solver: Option<Box<dyn LinearSolver + Send + Sync>>,
     depths: &[f64],
+) -> Result<Pressed> {
+    let frames: Vec<Frame> = depths.iter().map(|d| sphere(*d).1).collect();
+    press_along(avatar, potential, solver, sphere(0.0).0, &frames)
+}
+
+/// What presses the limb, at `depth`, m.
+pub fn sphere(depth: f64) -> (Shape, Frame) {
+    let frame = Frame {
+        position: TOUCH + (RADIUS - depth) * DVec3::Z,
+        ..Frame::IDENTITY
+    };
+    (Shape::Sphere { radius: RADIUS }, frame)
+}
+
+/// Any avatar whose bones stand still in the bind pose, pressed by `shape` at each of `frames` in turn. Steps are
+/// so long that inertia is nothing.
+///
+/// # Errors
+/// Whatever a step says.
+pub fn press_along<B: Basis>(
+    avatar: &Avatar,
+    potential: Reference<B>,
+    solver: Option<Box<dyn LinearSolver + Send + Sync>>,
+    shape: Shape,
+    frames: &[Frame],
 ) -> Result<Pressed> {
     let settings = Settings {
         time_step: 100.0,
@@ -101,22 +126,16 @@ pub fn press_with<B: Basis>(
         Some(solver) => Simulation::with_solver(avatar, potential, settings, solver)?,
         None => Simulation::new(avatar, potential, settings)?,
     };
-    let sphere = |depth: f64| Frame {
-        position: TOUCH + (RADIUS - depth) * DVec3::Z,
-        ..Frame::IDENTITY
-    };
     let instance = &mut simulation.instances_mut()[0];
-    let frame = instance.state.frames[0];
-    instance.pins.push(Pin { bone: 0, frame });
-    let ball = Shape::Sphere { radius: RADIUS };
-    instance.colliders.push(Collider::new(ball, sphere(0.0)));
+    let bones = instance.state.frames.iter().enumerate();
+    instance.pins = bones.map(|(bone, &frame)| Pin { bone, frame }).collect();
     let mut forces = Vec::new();
-    for &depth in depths {
+    for &frame in frames {
         let instance = &mut simulation.instances_mut()[0];
-        instance.colliders[0].frame = sphere(depth);
+        instance.colliders = vec![Collider::new(shape, frame)];
         instance.previous = instance.state.clone();
         let report = simulation.step_blocking()?;
-        forces.push(-report.instances[0].contact_force.z);
+        forces.push(report.instances[0].contact_force.length());
     }
     let (mut skin, mut normals) = (Vec::new(), Vec::new());
     simulation.read_skin_blocking(0, &mut skin, &mut normals)?;

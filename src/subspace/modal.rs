@@ -5,7 +5,7 @@
 //! ```
 //!
 //! K and M are those of [`super::rest_stiffness`] and [`super::lumped_mass`]. The lowest pairs are the largest
-//! of M^½ K⁻¹ M^½ (shift–invert at 0), found by restarted Lanczos (faer). A mode is a field of vectors with one
+//! of M^½ K⁻¹ M^½ (shift–invert at 0), found by block Lanczos. A mode is a field of vectors with one
 //! amplitude; three modes make a block, N = \[v₁ v₂ v₃\], so a handle's φ is three amplitudes. Modes are scaled to a
 //! largest displacement of 1: amplitudes are in metres, as Newton's tolerance wants them.
 
@@ -46,10 +46,17 @@ pub fn modal(avatar: &Avatar, count: usize) -> Result<Modes> {
     }
     let roots: Vec<f64> = mass.iter().flat_map(|m| [m.sqrt(); 3]).collect();
     let factor = SparseFactor::new(&rest_stiffness(avatar), "modal analysis")?;
-    let apply = |x: &[f64], out: &mut [f64]| {
-        let load: Vec<f64> = x.iter().zip(&roots).map(|(x, r)| x * r).collect();
-        let solved = factor.solve(&load);
-        (out.iter_mut().zip(&solved).zip(&roots)).for_each(|((o, s), r)| *o = s * r);
+    let apply = |x: &[f64], y: &mut [f64]| {
+        let n = roots.len();
+        let load = |j: usize, b: &mut [f64]| {
+            let x = x[j * n..].iter().zip(&roots);
+            b.iter_mut().zip(x).for_each(|(b, (x, r))| *b = x * r);
+        };
+        let solved = factor.solve_each(x.len() / n, load, |_, solved| solved.to_vec());
+        for (y, solved) in y.chunks_exact_mut(n).zip(solved) {
+            let solved = solved.iter().zip(&roots);
+            y.iter_mut().zip(solved).for_each(|(y, (s, r))| *y = s * r);
+        }
     };
     let pairs = largest_eigenpairs(roots.len(), count, TOLERANCE, "modal analysis", &apply)?;
 

@@ -186,6 +186,24 @@ impl Subspace {
         Ok(self.nodes.iter().map(at_node).collect())
     }
 
+    /// Unposed displacement of each skin vertex, m.
+    ///
+    /// # Errors
+    /// As [`Subspace::displacement`].
+    pub fn skin_displacement(&self, state: &State) -> Result<Vec<DVec3>> {
+        let nodes = self.displacement(state)?;
+        let layer = &self.avatar.layer;
+        let gather = |row: &[(u32, f64)], from: &[DVec3]| -> DVec3 {
+            row.iter().map(|&(i, share)| share * from[i as usize]).sum()
+        };
+        let on_tissue = layer.skin_embedding.iter().map(|row| gather(row, &nodes));
+        let mut skin: Vec<DVec3> = on_tissue.collect();
+        let attached = self.avatar.attached.iter().map(|row| gather(row, &skin));
+        let attached: Vec<DVec3> = attached.collect();
+        skin.extend(attached);
+        Ok(skin)
+    }
+
     /// Smallest det F over all tets of the layer; see [`crate::reference::min_det_f`].
     ///
     /// # Errors
