@@ -317,9 +317,11 @@ fn distances(study: &Study, avatar: &Avatar, handles: &Outcome) -> Result<Vec<f6
     const TOUCHED: f64 = 1e-4;
     let colliders = colliders(study);
     let touches = |x: DVec3| {
-        let mut depths = colliders
-            .iter()
-            .map(|p| Collider::new(p.shape, p.frame).signed_distance(x).distance);
+        let mut depths = colliders.iter().map(|p| {
+            Collider::new(p.shape, p.frame)
+                .signed_distance(&p.frame, x)
+                .distance
+        });
         depths.any(|d| d < TOUCHED)
     };
     let rest = &avatar.skin.position;
