@@ -136,7 +136,7 @@ fn ms_a_step<B: Basis>(avatar: &Avatar, potential: Reference<B>, depth: f64) -> 
 
 /// The limb with a handle at every skin vertex around the contact.
 fn source(studio: &Studio, truncation: Truncation) -> AvatarSource {
-    let spread = studio.pick(0.035, 0.065);
+    let spread = studio.pick(0.035, 0.055);
     let recipe = Recipe {
         handles: vec![HandleRegion {
             within: Some([[0.1 - spread, -0.045, -0.005], [0.1 + spread, 0.045, 0.045]]),
@@ -162,7 +162,7 @@ struct Outcome {
 }
 
 fn draw(studio: &Studio) -> Result<Page> {
-    let depths = studio.pick(&[0.0, 0.004, 0.008][..], &[0.0, 0.004, 0.008, 0.012]);
+    let depths = studio.pick(&[0.0, 0.004, 0.008][..], &[0.0, 0.006, 0.012]);
     let deepest = depths[depths.len() - 1];
     let mut page = Page::new(
         "A handle's column tells how far each point follows it. The biharmonic one is smooth everywhere; it knows \
