@@ -176,8 +176,8 @@ fn compared(
 /// the bind pose, in quarters of the way.
 fn at_rest(avatar: &Arc<Avatar>, local: &[DMat3]) -> Result<State> {
     let settings = Settings {
-        // Long steps: backward Euler takes the motion out of what moves.
-        time_step: 0.1,
+        // Long steps: what swings at ω comes to 1/(1 + ω²h²) of it in each, at 2 Hz to a fifteenth.
+        time_step: 0.3,
         solver: SolverMode::CONVERGED,
         ..Settings::default()
     };
@@ -185,7 +185,7 @@ fn at_rest(avatar: &Arc<Avatar>, local: &[DMat3]) -> Result<State> {
     let mut simulation = Simulation::new(avatar, potential, settings)?;
     let skeleton = &avatar.skeleton;
     simulation.instances_mut()[0].gravity = DVec3::ZERO;
-    for part in [0.25, 0.5, 0.75, 1.0, 1.0, 1.0] {
+    for part in [0.25, 0.5, 0.75, 1.0, 1.0, 1.0, 1.0] {
         let turned: Vec<DMat3> = (local.iter())
             .map(|r| rotation_exp(part * rotation_log(*r)))
             .collect();
