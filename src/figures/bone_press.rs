@@ -155,7 +155,7 @@ impl<'a> Mesh<'a> {
         let name = self.name;
         let counts: &[usize] = self.studio.pick(&[40, 120][..], &[40, 82, 160, 320][..]);
         let axes = |y| Curves::new(&format!("Mesh {name}"), "handles", y);
-        let mut errors = axes("error (%)").logarithmic();
+        let mut errors = axes("error (%)");
         let mut times = axes("ms a step at full press").logarithmic();
         let mut forces = Curves::new(&format!("Mesh {name}"), "depth (mm)", "force (N)");
         let of = |p: &Pressed| {
