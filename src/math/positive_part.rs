@@ -27,7 +27,7 @@ fn is_positive_definite(c: &Mat9) -> bool {
     let mut l = [[0.0; 9]; 9];
     for j in 0..9 {
         let pivot = c[j][j] - (0..j).map(|k| l[j][k] * l[j][k]).sum::<f64>();
-        if !(pivot > 0.0) {
+        if pivot.is_nan() || pivot <= 0.0 {
             return false;
         }
         l[j][j] = pivot.sqrt();
@@ -49,8 +49,7 @@ fn symmetric_eigen9(c: &Mat9) -> (Vec9, [Vec9; 9]) {
         let off: f64 = (0..9)
             .map(|i| a[i][..i].iter().map(|x| x * x).sum::<f64>())
             .sum();
-        // A NaN ends it too.
-        if !(off > 1e-32 * size) {
+        if off.is_nan() || off <= 1e-32 * size {
             break;
         }
         for q in 1..9 {
