@@ -68,7 +68,7 @@ fn draw_chest(studio: &Studio) -> Result<Page> {
     let mut scene = studio.scene(studio.pick("bone_press_s", "chest_press"))?;
     if studio.small() {
         // Three modes a handle: 120 are seconds.
-        let mut recipe = scene.avatar.bake.clone().unwrap_or(Sample::LimbS.body()?.1);
+        let mut recipe = Sample::LimbS.body()?.1;
         recipe.handles.iter_mut().for_each(|h| h.count = Some(40));
         scene.avatar.bake = Some(recipe);
     }
