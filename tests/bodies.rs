@@ -145,7 +145,7 @@ fn a_thrown_box_keeps_its_momenta() -> Result<()> {
 #[test]
 fn bodies_rest_on_the_floor_with_their_weight() -> Result<()> {
     for shape in Shape::examples() {
-        let Ok(body) = RigidBody::new("body", shape, 900.0) else {
+        let Ok(body) = RigidBody::new("body", shape.clone(), 900.0) else {
             continue;
         };
         let mass = body.mass.mass();

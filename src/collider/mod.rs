@@ -6,16 +6,20 @@ mod capsule;
 mod cylinder;
 mod half_space;
 mod mass;
+mod mesh;
 mod sampled;
 mod sphere;
+
+pub use mesh::{DistanceGrid, MESH_NODES, MeshShape};
 
 use crate::model::Frame;
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
+use std::sync::LazyLock;
 
 /// The shape of a collider, in its own frame, m. A new shape is one file, its kernel, and its lines here.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "shape", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
     /// The solid below the plane z = 0.
@@ -44,6 +48,8 @@ pub enum Shape {
         /// Half the extents along x, y, z.
         half_extents: [f64; 3],
     },
+    /// What is inside a closed triangle mesh.
+    Mesh(MeshShape),
 }
 
 /// Where a point stands to a solid.
@@ -51,7 +57,7 @@ pub enum Shape {
 pub struct SignedDistance {
     /// d, m: negative inside.
     pub distance: f64,
-    /// ∇d: the outward unit normal. Where d has a crease (an axis, a medial plane) one side's is taken.
+    /// ∇d: the outward unit normal (of a mesh, unit up to its grid's error). Where d has a crease (an axis, a medial plane) one side's is taken.
     pub normal: DVec3,
 }
 
@@ -72,6 +78,7 @@ impl Shape {
             Self::Box {
                 half_extents: [0.02, 0.03, 0.01],
             },
+            Self::Mesh(example_mesh()),
         ]
     }
 
@@ -83,13 +90,18 @@ impl Shape {
             Self::Capsule { .. } => 2,
             Self::Cylinder { .. } => 3,
             Self::Box { .. } => 4,
+            Self::Mesh(_) => 5,
         }
     }
 
-    /// Its sizes as the kernel reads them.
+    /// Its sizes as the kernel reads them; of a mesh the slot of its grid is left open.
     pub fn parameters(&self) -> [f32; 4] {
         match *self {
             Self::HalfSpace => [0.0; 4],
+            Self::Mesh(ref mesh) => {
+                let spacing = mesh.grid().map_or(DVec3::ONE, |grid| grid.spacing());
+                spacing.as_vec3().extend(0.0).to_array()
+            }
             Self::Sphere { radius } => [radius as f32, 0.0, 0.0, 0.0],
             Self::Capsule {
                 radius,
@@ -113,6 +125,7 @@ impl Shape {
             Self::Capsule { .. } => "collider/capsule.wgsl",
             Self::Cylinder { .. } => "collider/cylinder.wgsl",
             Self::Box { .. } => "collider/box.wgsl",
+            Self::Mesh(_) => "collider/mesh.wgsl",
         }
     }
 
@@ -132,6 +145,7 @@ impl Shape {
             Self::Box { half_extents } => {
                 r#box::signed_distance(DVec3::from_array(half_extents), point)
             }
+            Self::Mesh(ref mesh) => mesh.signed_distance(point),
         }
     }
 
@@ -146,6 +160,7 @@ impl Shape {
                 half_length,
             } => cylinder::curvature(radius, half_length, point),
             Self::Box { half_extents } => r#box::curvature(DVec3::from_array(half_extents), point),
+            Self::Mesh(ref mesh) => mesh.curvature(point),
         }
     }
 
@@ -153,6 +168,7 @@ impl Shape {
     pub fn validate(&self) -> Result<()> {
         let sizes: &[(&str, f64)] = match self {
             Self::HalfSpace => &[],
+            Self::Mesh(mesh) => return mesh.grid().map(drop),
             Self::Sphere { radius } => &[("radius", *radius)],
             Self::Capsule {
                 radius,
@@ -178,7 +194,7 @@ impl Shape {
 }
 
 /// A rigid solid that the skin cannot enter: kinematic, or fixed to a frame of the system.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
     /// Its shape.
     pub shape: Shape,
@@ -259,7 +275,7 @@ impl Collider {
         Self {
             frame: shifted(self.frame),
             previous: shifted(self.previous),
-            ..*self
+            ..self.clone()
         }
     }
 
@@ -293,6 +309,19 @@ impl Collider {
         }
         Ok(())
     }
+}
+
+/// A wedge: flat sides, sharp and blunt edges, no symmetry.
+fn example_mesh() -> MeshShape {
+    static MESH: LazyLock<MeshShape> = LazyLock::new(|| {
+        let block = Shape::Box {
+            half_extents: [0.03, 0.02, 0.015],
+        };
+        let mut surface = block.sampled(150).unwrap_or_default();
+        (surface.positions.iter_mut()).for_each(|p| p.z *= 1.0 - 15.0 * p.x);
+        MeshShape::new(&surface).unwrap_or_default()
+    });
+    MESH.clone()
 }
 
 fn positive(field: &str, value: f64, unit: &str) -> Result<()> {

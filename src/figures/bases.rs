@@ -318,7 +318,7 @@ fn distances(study: &Study, avatar: &Avatar, handles: &Outcome) -> Result<Vec<f6
     let colliders = colliders(study);
     let touches = |x: DVec3| {
         let mut depths = colliders.iter().map(|p| {
-            Collider::new(p.shape, p.frame)
+            Collider::new(p.shape.clone(), p.frame)
                 .signed_distance(&p.frame, x)
                 .distance
         });
@@ -343,7 +343,7 @@ fn distances(study: &Study, avatar: &Avatar, handles: &Outcome) -> Result<Vec<f6
 fn colliders(study: &Study) -> Vec<Prop> {
     let time = study.times[study.times.len() - 1];
     let at = |c: &SceneCollider| Prop {
-        shape: c.shape,
+        shape: c.shape.clone(),
         frame: c.motion.at(time),
         colour: COLLIDER,
     };

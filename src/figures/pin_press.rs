@@ -203,7 +203,7 @@ fn picture(studio: &Studio, avatar: &Avatar, pricks: [&Prick; 2]) -> crate::expo
             *at + of.map_or(DVec3::ZERO, |(_, d)| *d)
         };
         let handles = avatar.handles.iter().map(|at| Prop {
-            shape: dot,
+            shape: dot.clone(),
             frame: Frame {
                 position: moved(at),
                 ..Frame::IDENTITY

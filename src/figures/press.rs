@@ -132,7 +132,7 @@ pub fn press_along<B: Basis>(
     let mut forces = Vec::new();
     for &frame in frames {
         let instance = &mut simulation.instances_mut()[0];
-        instance.colliders = vec![Collider::new(shape, frame)];
+        instance.colliders = vec![Collider::new(shape.clone(), frame)];
         instance.previous = instance.state.clone();
         let report = simulation.step_blocking()?;
         forces.push(report.instances[0].contact_force.length());

@@ -13,7 +13,7 @@ pub(super) const COLLIDER: u32 = 0x8fa3b8;
 pub(super) const HANDLE: u32 = 0x1a1a1a;
 
 /// Something beside the skin.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Prop {
     pub shape: Shape,
     pub frame: Frame,

@@ -129,30 +129,46 @@ impl Module {
                 kernel: label.clone(),
                 binding: name.to_owned(),
             })?;
-            let ty = match global.space {
-                AddressSpace::Storage { access } => wgpu::BufferBindingType::Storage {
-                    read_only: !access.contains(StorageAccess::STORE),
-                },
-                _ => wgpu::BufferBindingType::Uniform,
+            let (ty, resource) = match bound.resource {
+                Resource::Buffer { buffer, stride } => {
+                    let ty = match global.space {
+                        AddressSpace::Storage { access } => wgpu::BufferBindingType::Storage {
+                            read_only: !access.contains(StorageAccess::STORE),
+                        },
+                        _ => wgpu::BufferBindingType::Uniform,
+                    };
+                    dynamic |= stride.is_some();
+                    let ty = wgpu::BindingType::Buffer {
+                        ty,
+                        has_dynamic_offset: stride.is_some(),
+                        min_binding_size: None,
+                    };
+                    let size = stride.and_then(wgpu::BufferSize::new);
+                    let binding = wgpu::BufferBinding {
+                        buffer,
+                        offset: 0,
+                        size,
+                    };
+                    (ty, wgpu::BindingResource::Buffer(binding))
+                }
+                Resource::Texture(view) => {
+                    let ty = wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                        view_dimension: wgpu::TextureViewDimension::D3,
+                        multisampled: false,
+                    };
+                    (ty, wgpu::BindingResource::TextureView(view))
+                }
             };
-            dynamic |= bound.stride.is_some();
             layout.push(wgpu::BindGroupLayoutEntry {
                 binding: slot,
                 visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty,
-                    has_dynamic_offset: bound.stride.is_some(),
-                    min_binding_size: None,
-                },
+                ty,
                 count: None,
             });
             entries.push(wgpu::BindGroupEntry {
                 binding: slot,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: bound.buffer,
-                    offset: 0,
-                    size: bound.stride.and_then(wgpu::BufferSize::new),
-                }),
+                resource,
             });
         }
 
@@ -205,35 +221,48 @@ impl Module {
 #[derive(Clone, Copy, Debug)]
 struct Bound<'a> {
     name: &'a str,
-    buffer: &'a wgpu::Buffer,
-    stride: Option<u64>,
+    resource: Resource<'a>,
 }
 
-/// Buffers under the names that kernels call them by; a later one hides an earlier one.
+#[derive(Clone, Copy, Debug)]
+enum Resource<'a> {
+    /// A whole buffer, or one item of `stride` bytes of it.
+    Buffer {
+        buffer: &'a wgpu::Buffer,
+        stride: Option<u64>,
+    },
+    /// A 3D texture of single floats.
+    Texture(&'a wgpu::TextureView),
+}
+
+/// Buffers and textures under the names that kernels call them by; a later one hides an earlier one.
 #[derive(Clone, Debug, Default)]
 pub struct Bindings<'a>(Vec<Bound<'a>>);
 
 impl<'a> Bindings<'a> {
     /// The same with `buffer` as `name`.
     #[must_use]
-    pub fn with(mut self, name: &'a str, buffer: &'a wgpu::Buffer) -> Self {
-        self.0.push(Bound {
-            name,
-            buffer,
-            stride: None,
-        });
+    pub fn with(self, name: &'a str, buffer: &'a wgpu::Buffer) -> Self {
+        let stride = None;
+        self.push(name, Resource::Buffer { buffer, stride })
+    }
+
+    /// The same with a 3D texture of single floats as `name`; kernels load from it, nothing filters.
+    #[must_use]
+    pub fn with_texture(self, name: &'a str, view: &'a wgpu::TextureView) -> Self {
+        self.push(name, Resource::Texture(view))
+    }
+
+    fn push(mut self, name: &'a str, resource: Resource<'a>) -> Self {
+        self.0.push(Bound { name, resource });
         self
     }
 
     /// The same with one item of `stride` bytes of `buffer` as `name`; each dispatch says where it lies.
     #[must_use]
-    pub fn with_dynamic(mut self, name: &'a str, buffer: &'a wgpu::Buffer, stride: u64) -> Self {
-        self.0.push(Bound {
-            name,
-            buffer,
-            stride: Some(stride),
-        });
-        self
+    pub fn with_dynamic(self, name: &'a str, buffer: &'a wgpu::Buffer, stride: u64) -> Self {
+        let stride = Some(stride);
+        self.push(name, Resource::Buffer { buffer, stride })
     }
 
     fn find(&self, name: &str) -> Option<Bound<'a>> {

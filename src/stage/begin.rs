@@ -45,14 +45,16 @@ impl GpuPotential {
                 ..BatchState::default()
             };
             let first = i * self.options.colliders;
-            let buffers = &self.buffers;
-            for (buffer, end) in [
-                (&buffers.previous_colliders, false),
-                (&buffers.colliders, true),
-            ] {
+            for end in [false, true] {
                 self.colliders.clear();
-                let seen = |c| upload::collider(c, origin, end);
-                self.colliders.extend(start.colliders.iter().map(seen));
+                for collider in start.colliders {
+                    let slot = self.buffers.grids.slot(&self.queue, collider)?;
+                    (self.colliders).push(upload::collider(collider, origin, end, slot));
+                }
+                let buffer = match end {
+                    false => &self.buffers.previous_colliders,
+                    true => &self.buffers.colliders,
+                };
                 buffer.write(&self.queue, first, &self.colliders);
             }
 

@@ -1,5 +1,6 @@
 //! Every buffer of a potential, made once, under the names that the kernels use.
 
+use super::grids::Grids;
 use super::shared::{
     BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence, Lagged,
     LocalTissue, Mat3, Motion, PartialEnergy, PatternBlock, Point, SkinVertex, Summary, Tangent,
@@ -66,6 +67,7 @@ pub(super) struct Buffers {
     pub handles: Buffer<Handle>,
     pub colliders: Buffer<Collider>,
     pub previous_colliders: Buffer<Collider>,
+    pub grids: Grids,
     // By slot.
     pub motion: Buffer<Motion>,
     pub stress: Buffer<Mat3>,
@@ -203,6 +205,7 @@ impl Buffers {
             features: zeroed!("pose_features", states * features),
             frames: zeroed!("frames", slots * space.frames),
             handles: zeroed!("handles", slots * space.handles),
+            grids: Grids::new(device, options.meshes)?,
             colliders: zeroed!("colliders", instances * options.colliders),
             previous_colliders: zeroed!("previous_colliders", instances * options.colliders),
             motion: zeroed!("motion", slots * points),
@@ -276,6 +279,7 @@ impl Buffers {
             .with("frames", self.frames.raw())
             .with("handles", self.handles.raw())
             .with("colliders", self.colliders.raw())
+            .with_texture("distance_grids", self.grids.view())
             .with("motion", self.motion.raw())
             .with("stress", self.stress.raw())
             .with("tangent", self.tangent.raw())

@@ -12,6 +12,7 @@ mod energy;
 mod evaluate;
 mod friction;
 mod gradient;
+mod grids;
 mod hessian;
 mod normals;
 mod point_hessian;

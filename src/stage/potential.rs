@@ -29,6 +29,8 @@ use std::sync::Arc;
 pub struct GpuOptions {
     /// Colliders an instance may have.
     pub colliders: usize,
+    /// Different meshes that colliders may be of, in all instances; 432 KiB each.
+    pub meshes: usize,
     /// Active contacts an instance may have; more are an error.
     pub contacts: usize,
     /// Trials of a line search that go in one submission; more take several.
@@ -45,6 +47,7 @@ impl Default for GpuOptions {
     fn default() -> Self {
         Self {
             colliders: 8,
+            meshes: 1,
             contacts: 2048,
             trials: 8,
             scratch_bytes: 128 << 20,

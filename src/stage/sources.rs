@@ -34,6 +34,7 @@ const TEXTS: &[(&str, &str)] = texts![
     "collider/capsule.wgsl",
     "collider/cylinder.wgsl",
     "collider/box.wgsl",
+    "collider/mesh.wgsl",
     "pose_blend.wgsl",
     "displacement.wgsl",
     "elasticity.wgsl",

@@ -3,7 +3,7 @@
 use super::potential::{GpuPotential, Start};
 use super::shared::{BatchState, Collider, Frame, Handle, Mat3};
 use super::tables::round;
-use crate::collider;
+use crate::collider::{self, Shape};
 use crate::model::{self, Skeleton, State, pose_feature};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
@@ -45,18 +45,39 @@ fn handles<'a>(base: &'a State, state: &'a State) -> impl Iterator<Item = Handle
         })
 }
 
-/// A collider at the end of the step or, else, at its start, seen from `origin`.
-pub(super) fn collider(collider: &collider::Collider, origin: DVec3, end: bool) -> Collider {
+/// A collider at the end of the step or, else, at its start, seen from `origin`. The frame of a mesh is moved to the
+/// first node of its grid, which is in `slot`.
+pub(super) fn collider(
+    collider: &collider::Collider,
+    origin: DVec3,
+    end: bool,
+    slot: usize,
+) -> Collider {
+    let mut parameters = collider.shape.parameters();
+    let mut first = DVec3::ZERO;
+    if let Shape::Mesh(mesh) = &collider.shape {
+        first = mesh.grid().map_or(first, |grid| grid.low());
+        parameters[3] = slot as f32;
+    }
     let seen = collider.relative_to(origin);
+    let at_first = |frame: model::Frame| model::Frame {
+        position: frame.transform(first),
+        ..frame
+    };
     // What is carried stands in its carrier's frame all the time.
     let still = collider.carrier.is_some();
-    let (frame, previous) = (seen.frame, if still { seen.frame } else { seen.previous });
+    let frame = at_first(seen.frame);
+    let previous = if still {
+        frame
+    } else {
+        at_first(seen.previous)
+    };
     let place = if end { frame } else { previous };
     Collider {
         rotation: columns(place.rotation),
         position: round(place.position),
         stiffness: collider.stiffness as f32,
-        parameters: collider.shape.parameters(),
+        parameters,
         margin: collider.margin as f32,
         shape: collider.shape.index(),
         friction: collider.friction as f32,

@@ -40,7 +40,7 @@ fn what_goes_wrong_has_a_type() {
     let result = pollster::block_on(on_device.evaluate(&broken, &[true], &mut out));
     assert!(matches!(result, Err(Error::NotFinite { .. })), "{result:?}");
 
-    let many = vec![case.colliders[0]; 9];
+    let many = vec![case.colliders[0].clone(); 9];
     let crowded = StepStart {
         colliders: &many,
         ..start(&case)

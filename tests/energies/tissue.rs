@@ -114,7 +114,7 @@ pub fn terms() -> Vec<Term> {
         terms.push(term(
             &format!("contact with {:?}", collider.shape),
             Setup {
-                colliders: vec![*collider],
+                colliders: vec![collider.clone()],
                 ..Setup::default()
             },
         ));

@@ -166,6 +166,8 @@ fn rounded_shape(shape: Shape) -> Shape {
         Shape::Box { half_extents } => Shape::Box {
             half_extents: half_extents.map(single),
         },
+        // Its samples are in f32, and so are its spacings.
+        Shape::Mesh(mesh) => Shape::Mesh(mesh),
     }
 }
 

@@ -67,6 +67,9 @@ impl Mesh {
     pub fn collider(shape: &Shape, frame: &Frame, extent: f64, colour: Colour) -> Self {
         let mut surface = match *shape {
             Shape::HalfSpace => grid(extent),
+            Shape::Mesh(ref mesh) => mesh
+                .grid()
+                .map_or_else(|_| Surface::default(), |grid| grid.surface().clone()),
             Shape::Sphere { radius } => revolve(&arc(radius, 0.0, -0.5 * PI, 0.5 * PI)),
             Shape::Capsule {
                 radius,

@@ -130,7 +130,7 @@ impl Driver {
             stiffness: c.stiffness,
             margin: c.margin,
             friction: c.friction,
-            ..Collider::new(c.shape, c.motion.at(0.0))
+            ..Collider::new(c.shape.clone(), c.motion.at(0.0))
         };
         instance.colliders = avatar.body_colliders().collect();
         (instance.colliders).extend(self.colliders.iter().map(collider));

@@ -36,7 +36,7 @@ pub struct AvatarSource {
     pub mesh: Option<PathBuf>,
     /// A character file of any kind that [`read_character`] knows.
     pub model: Option<PathBuf>,
-    /// Shape parameters of `model`, in the file's order.
+    /// Shape parameters of `model`, in the file's order, or of the sample body.
     #[serde(alias = "shape", skip_serializing_if = "Vec::is_empty")]
     pub betas: Vec<f64>,
     /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
@@ -152,7 +152,10 @@ impl AvatarSource {
         }
         let of_model = [
             ("bones", self.bones.is_some()),
-            ("betas", !self.betas.is_empty()),
+            (
+                "betas",
+                !self.betas.is_empty() && self.sample != Some(Sample::Body),
+            ),
             ("painted", !self.painted.is_empty()),
         ];
         if let (None, Some((key, _))) = (&self.model, of_model.iter().find(|k| k.1)) {
@@ -183,7 +186,7 @@ impl AvatarSource {
     /// # Errors
     /// [`Error::Invalid`] of a source that has one shape only.
     pub fn set_shape(&mut self, betas: &[f64]) -> Result<()> {
-        if self.model.is_none() {
+        if self.model.is_none() && self.sample != Some(Sample::Body) {
             let problem = "this body has one shape only; a character file that has shape directions is needed";
             return Err(Error::invalid("shape", problem));
         }
@@ -235,7 +238,7 @@ impl AvatarSource {
         }
         let mut notes = Vec::new();
         let (mut body, recipe) = if let Some(sample) = self.sample {
-            sample.body()?
+            sample.shaped(&self.betas)?
         } else if let Some(path) = &self.model {
             let mut character = read_character(path, &self.options())?;
             self.complete(&mut character)?;

@@ -26,13 +26,18 @@ pub enum Sample {
 impl Sample {
     /// The body and its own recipe.
     pub fn body(self) -> Result<(Body, Recipe)> {
+        self.shaped(&[])
+    }
+
+    /// The same of shape `betas`, which only [`Sample::Body`] has.
+    pub(super) fn shaped(self, betas: &[f64]) -> Result<(Body, Recipe)> {
         match self {
             Self::LimbS => Ok((Limb::S.body()?, limb_recipe())),
             Self::LimbM => Ok((Limb::M.body()?, limb_recipe())),
             Self::Finger => Ok((Finger::default().body()?, handles(40))),
             Self::Body => {
                 let sample = body()?;
-                let mut body = Body::of_model("body", &sample.model, &[], Vec::new());
+                let mut body = Body::of_model("body", &sample.model, betas, Vec::new());
                 body.painted.insert(SOFT.into(), map_of(&sample.soft));
                 body.skeleton.limits = sample.limits;
                 Ok((body, body_recipe()))

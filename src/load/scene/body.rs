@@ -67,7 +67,7 @@ impl SceneBody {
         let body = RigidBody {
             stiffness: self.stiffness,
             friction: self.friction,
-            ..RigidBody::new(&self.name, self.shape, self.density)?.at(self.place())
+            ..RigidBody::new(&self.name, self.shape.clone(), self.density)?.at(self.place())
         };
         Ok(match self.mass {
             Some(mass) => body.of_mass(mass),

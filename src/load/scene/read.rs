@@ -2,7 +2,10 @@
 
 use super::{PanelTime, Scene};
 use crate::collider::Collider;
+use crate::collider::Shape;
 use crate::load::file::read_toml_text;
+use crate::load::read_closed_obj;
+use crate::model::Surface;
 use crate::{Error, Result};
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -21,6 +24,11 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
     if let Some(motion) = &mut scene.motion {
         motion.resolve(folder);
     }
+    let colliders = scene.colliders.iter_mut().map(|c| &mut c.shape);
+    let bodies = scene.bodies.iter_mut().map(|b| &mut b.shape);
+    colliders
+        .chain(bodies)
+        .try_for_each(|shape| read_mesh(shape, folder))?;
     Ok(scene)
 }
 
@@ -35,6 +43,25 @@ pub fn parse_scene(text: &str, path: &Path) -> Result<Scene> {
     }
     scene.validate().map_err(|e| of_file(e, path))?;
     Ok(scene)
+}
+
+/// Reads the file of a mesh that a scene names: its objects together are one solid.
+fn read_mesh(shape: &mut Shape, folder: &Path) -> Result<()> {
+    let Shape::Mesh(mesh) = shape else {
+        return Ok(());
+    };
+    let path = folder.join(&mesh.file);
+    let mut whole = Surface::default();
+    for (_, surface) in read_closed_obj(&path)? {
+        let first = whole.positions.len() as u32;
+        whole.positions.extend(surface.positions);
+        let triangles = surface.triangles.iter().map(|t| t.map(|v| first + v));
+        whole.triangles.extend(triangles);
+    }
+    *mesh = mesh
+        .with_surface(&path, &whole)
+        .map_err(|e| of_file(e, &path))?;
+    Ok(())
 }
 
 /// Reads any TOML file whose numbers must be finite.
