@@ -47,6 +47,7 @@ figures![
     spin,
     cylinders,
     walk,
+    finger_slide,
     cubature,
     reduced_full,
     table_1,

@@ -16,6 +16,7 @@ mod cubature;
 mod curves;
 mod cylinders;
 mod elastic_extension;
+mod finger_slide;
 mod gallery;
 mod html;
 mod layers;
@@ -65,6 +66,7 @@ pub const FIGURES: &[Figure] = &[
     spin::FIGURE,
     cylinders::FIGURE,
     walk::FIGURE,
+    finger_slide::FIGURE,
     cubature::FIGURE,
     reduced_full::FIGURE,
     table_1::FIGURE,
