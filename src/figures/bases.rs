@@ -3,10 +3,10 @@
 use super::skins::{COLLIDER, Look, Prop, Skin, skin_strip};
 use super::{Bound, Curves, Figure, Page, Studio};
 use crate::bake::without_tissue;
-use crate::collider::Collider;
+use crate::collider::{Collider, Shape};
 use crate::export::{ColourScale, Driver, skin_displacement};
+use crate::load::Scene;
 use crate::load::scene::SceneCollider;
-use crate::load::{Sample, Scene};
 use crate::math::{NearestPoint, Stopwatch};
 use crate::model::{Avatar, State};
 use crate::potential::Potential;
@@ -65,17 +65,15 @@ fn draw_hand(studio: &Studio) -> Result<Page> {
 }
 
 fn draw_chest(studio: &Studio) -> Result<Page> {
-    let mut scene = studio.scene(studio.pick("bone_press_s", "chest_press"))?;
+    let mut scene = studio.scene(studio.pick("finger_press", "chest_press"))?;
     if studio.small() {
-        // Three modes a handle: 120 are seconds.
-        let mut recipe = Sample::LimbS.body()?.1;
-        recipe.handles.iter_mut().for_each(|h| h.count = Some(40));
-        scene.avatar.bake = Some(recipe);
+        // A ball in the cylinder's place: on the limb 40 handles reach everywhere.
+        (scene.colliders.iter_mut()).for_each(|c| c.shape = Shape::Sphere { radius: 0.006 });
     }
     let study = Study {
-        times: studio.pick(vec![0.25, 0.5, 0.75], vec![0.2, 0.6, 0.9, 1.2]),
-        points: studio.pick(vec![400], vec![500, 1400]),
-        far: studio.pick(0.08, 0.3),
+        times: studio.pick(vec![0.3, 0.7, 1.0], vec![0.2, 0.6, 0.9, 1.2]),
+        points: studio.pick(vec![300], vec![500, 1400]),
+        far: studio.pick(0.04, 0.4),
         look: Look {
             direction: scene.output.view,
             up: DVec3::Z,

@@ -119,7 +119,7 @@ fn places(avatar: &Avatar, count: usize) -> Vec<(usize, f64)> {
     let nearest = NearestPoint::new(&avatar.handles);
     let normals = normals(avatar);
     let pad: Vec<(usize, f64)> = (avatar.skin.position.iter().enumerate())
-        .filter(|(v, x)| (0.066..0.084).contains(&x.x) && normals[*v].z < -0.85)
+        .filter(|(v, x)| (0.066..0.084).contains(&x.x) && normals[*v].z < -0.75)
         .map(|(v, x)| (v, nearest.distance(*x)))
         .collect();
     let farthest = pad.iter().fold(0.0, |m: f64, p| m.max(p.1));
