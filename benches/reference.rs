@@ -59,6 +59,7 @@ fn bench(criterion: &mut Criterion) {
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,
             slip_speed: 1e-3,
+            geometric_contact: false,
         };
         let states: [State; 1] = [state];
         let mut out = [Evaluation::default()];

@@ -47,6 +47,7 @@ fn main() -> supple::Result<()> {
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,
             slip_speed: 1e-3,
+            geometric_contact: false,
         };
         pollster::block_on(async {
             potential.begin_step(&[start], &[true]).await?;

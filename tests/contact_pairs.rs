@@ -270,6 +270,7 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,
             slip_speed: 1e-3,
+            geometric_contact: false,
         };
         let mut out = [Evaluation::default()];
         block_on(potential.begin_step(&[start], &[true]))?;

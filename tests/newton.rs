@@ -16,6 +16,8 @@ struct Toy {
     pattern: BlockPattern,
     base: Vec<State>,
     evaluations: usize,
+    /// Geometric terms: this times the Hessian.
+    geometric: Option<f64>,
 }
 
 impl Toy {
@@ -25,6 +27,7 @@ impl Toy {
             pattern: BlockPattern::new(avatar.space(), &[]),
             base: vec![avatar.rest_state(); instances],
             evaluations: 0,
+            geometric: None,
         }
     }
 
@@ -67,6 +70,11 @@ impl Potential for Toy {
                 gradient.write_to_slice(&mut out[i].gradient[3 * block..]);
                 let at = self.pattern.find(block, block).unwrap();
                 out[i].hessian[at] = hessian.to_cols_array();
+            }
+            out[i].geometric.clear();
+            if let Some(factor) = self.geometric {
+                let scaled = out[i].hessian.iter().map(|b| b.map(|h| factor * h));
+                out[i].geometric = scaled.collect();
             }
         }
         Ok(())
@@ -234,6 +242,34 @@ fn what_is_not_finite_or_not_solvable_is_an_error_and_the_state_is_kept() {
         let error = simulation.step_blocking().unwrap_err();
         assert!(matches!(error, Error::Solve { .. }), "{error}");
         assert_eq!(before.state, simulation.instances()[0].state);
+    }
+}
+
+#[test]
+fn geometric_terms_are_dropped_where_the_hessian_is_indefinite_with_them() {
+    let start = DVec3::new(0.3, 0.2, 0.1);
+    for mode in [SolverMode::OneIteration, converged(1e-9, 10)] {
+        let run = |geometric: Option<f64>| {
+            let mut simulation = simulation(quadratic, mode, start, start);
+            simulation.potential_mut().geometric = geometric;
+            let report = simulation.step_blocking().unwrap().instances.remove(0);
+            let handles = simulation.instances()[0].state.handles.clone();
+            (report, handles)
+        };
+        let (without, end) = run(None);
+        assert_eq!(without.geometric_dropped, 0);
+        let (dropped, same) = run(Some(-2.0));
+        assert_eq!(dropped.geometric_dropped, dropped.iterations);
+        assert_eq!((same, dropped.diagonal_shift), (end, 0.0));
+    }
+    // Three times the Hessian: a third of the way.
+    let mut simulation = simulation(quadratic, SolverMode::OneIteration, start, start);
+    simulation.potential_mut().geometric = Some(2.0);
+    let report = simulation.step_blocking().unwrap();
+    assert_eq!(report.instances[0].geometric_dropped, 0);
+    let bottom = DVec3::new(0.01, -0.02, 0.03);
+    for x in &simulation.instances()[0].state.handles {
+        assert!((*x - start.lerp(bottom, 1.0 / 3.0)).length() < 1e-9, "{x}");
     }
 }
 

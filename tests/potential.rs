@@ -203,6 +203,7 @@ impl Case {
             colliders: &self.colliders,
             tissue_gravity: self.tissue_gravity,
             slip_speed: self.slip_speed,
+            geometric_contact: true,
         };
         let count = potential.instances();
         block_on(potential.begin_step(&vec![start; count], &vec![true; count])).unwrap();
@@ -402,5 +403,65 @@ fn friction_alone_has_true_derivatives() {
         }
         let eigenvalues = solver.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
         assert!(eigenvalues[0] > -1e-11 * scale && eigenvalues[dofs - 1] > 1e-3 * scale);
+    }
+}
+
+/// What contact and friction lack to all their second derivatives are the geometric terms and −k a δ ∇²d: nothing for
+/// a plane, and not above 0 for what is convex.
+#[test]
+fn geometric_terms_complete_the_hessian_of_contact() {
+    let shapes = [
+        Shape::HalfSpace,
+        Shape::Sphere { radius: 0.02 },
+        Shape::Capsule {
+            radius: 0.02,
+            half_length: 0.02,
+        },
+    ];
+    for (k, shape) in shapes.into_iter().enumerate() {
+        let flat = k == 0;
+        let mut case = cases().pop().unwrap();
+        case.avatar.density = 1e-15;
+        case.avatar.damping_time = 0.0;
+        case.avatar.material = soft(1e-15);
+        case.tissue_gravity = DVec3::ZERO;
+        case.colliders = carried(&mut Random::new(51), 3);
+        for collider in &mut case.colliders {
+            collider.shape = shape.clone();
+        }
+        let [_, _, state] = case.states();
+        let mut potential = case.reference();
+        let evaluation = evaluate(&mut potential, &state);
+        assert!(
+            evaluation.contacts > 10,
+            "{shape:?}: {}",
+            evaluation.contacts
+        );
+        let exact = potential
+            .dense_hessian(0, &state, HessianForm::Exact)
+            .unwrap();
+        let scale = largest(exact.iter().flatten().copied());
+        let geometric = largest(evaluation.geometric.iter().flatten().copied());
+        assert!(
+            geometric > 1e-5 * scale,
+            "{shape:?}: {geometric} of {scale}"
+        );
+        let dofs = exact.len();
+        let mut missing = faer::Mat::<f64>::zeros(dofs, dofs);
+        let blocks = evaluation.hessian.iter().zip(&evaluation.geometric);
+        for ((row, column), (a, b)) in potential.pattern().blocks().zip(blocks) {
+            for k in 0..9 {
+                let (r, c) = (3 * row + k % 3, 3 * column + k / 3);
+                missing[(r, c)] = exact[r][c] - a[k] - b[k];
+                missing[(c, r)] = missing[(r, c)];
+            }
+        }
+        let eigenvalues = missing.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+        let (least, most) = (eigenvalues[0], eigenvalues[dofs - 1]);
+        assert!(most < 1e-11 * scale, "{shape:?}: {most} of {scale}");
+        assert!(
+            (least > -1e-11 * scale) == flat,
+            "{shape:?}: {least} of {scale}"
+        );
     }
 }

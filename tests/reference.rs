@@ -34,6 +34,7 @@ fn start<'a>(previous: &'a State, current: &'a State, colliders: &'a [Collider])
         colliders,
         tissue_gravity: DVec3::ZERO,
         slip_speed: 1e-3,
+        geometric_contact: false,
     }
 }
 

@@ -31,6 +31,8 @@ pub struct StepStart<'a> {
     pub tissue_gravity: DVec3,
     /// ε_v, m/s: friction holds against slower slip only in part, see [`crate::reference::friction`].
     pub slip_speed: f64,
+    /// Whether evaluations hold the geometric terms of contact as well.
+    pub geometric_contact: bool,
 }
 
 impl StepStart<'_> {
@@ -91,6 +93,9 @@ pub struct Evaluation {
     pub gradient: Vec<f64>,
     /// The solver's Hessian: the blocks of [`BlockPattern`] in order, each 3×3 column by column.
     pub hessian: Vec<[f64; 9]>,
+    /// Σ f · ∂²z/∂q² of the contacts in the same blocks, see [`crate::reference::geometric`]; empty where the step
+    /// did not ask for it or [`Evaluation::hessian`] has it already.
+    pub geometric: Vec<[f64; 9]>,
     /// Sum of the contact and friction forces on the skin, N, in world axes.
     pub contact_force: DVec3,
     /// Active contacts.

@@ -6,6 +6,7 @@ use super::contact::{ContactRow, carrier_levers, contact_point, skin_levers};
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::drawn::Drawn;
 use super::friction::{self, Slip};
+use super::geometric::{Vertex, add_geometric};
 use super::gradient::point_force;
 use super::hessian::{ContactRows, gather_contacts, gather_points};
 use super::point_hessian::{PointTerms, PointView};
@@ -97,6 +98,7 @@ impl Instance {
         let watch = Stopwatch::start();
         out.hessian.resize(asset.pattern.len(), [0.0; 9]);
         self.gather(asset, &mut out.hessian);
+        self.add_geometric(asset, &mut out.geometric);
         self.timings.hessian += watch.ms();
 
         out.energies = energy::sum(&self.energies);
@@ -199,6 +201,25 @@ impl Instance {
         });
         self.contact_rows
             .fill(contacts, &asset.skin_incidence, asset.space.blocks());
+    }
+
+    /// The geometric terms of the contacts' rows, where the step wants them.
+    fn add_geometric<B: Basis>(&self, asset: &Asset<B>, out: &mut Vec<[f64; 9]>) {
+        out.clear();
+        if !self.step.geometric {
+            return;
+        }
+        out.resize(asset.pattern.len(), [0.0; 9]);
+        let (joints, frames) = (&asset.avatar.skeleton.joints, &self.motion.frames);
+        for row in self.contacts.iter().filter(|row| row.force != 0.0) {
+            let v = row.vertex as usize;
+            let vertex = Vertex {
+                skinning: asset.skin.skinning.row(v),
+                basis: asset.skin.basis.row(v),
+                unposed: self.step.skin_unposed(asset, v, &self.motion.handles),
+            };
+            add_geometric(&asset.pattern, row, &vertex, joints, frames, out);
+        }
     }
 
     /// Gradient and packed Hessian, block row by block row.

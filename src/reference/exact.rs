@@ -54,6 +54,8 @@ impl<B: Basis> Potential for Exact<B> {
             for ((row, column), block) in blocks {
                 *block = std::array::from_fn(|k| dense[3 * row + k % 3][3 * column + k / 3]);
             }
+            // They are in it already.
+            out[i].geometric.clear();
         }
         Ok(())
     }

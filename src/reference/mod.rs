@@ -17,6 +17,7 @@ pub mod energy;
 mod evaluate;
 mod exact;
 pub mod friction;
+pub mod geometric;
 pub mod gradient;
 pub mod hessian;
 mod incidence;

@@ -55,6 +55,8 @@ pub(super) struct Step {
     pub lagged: Vec<Lagged>,
     /// ε_v h, m.
     pub smoothing: f64,
+    /// Whether the geometric terms of contact are wanted.
+    pub geometric: bool,
     /// qⁿ.
     pub current: State,
     pub points: Vec<PointStart>,
@@ -81,6 +83,7 @@ impl Step {
             collider_motions: Vec::new(),
             lagged: Vec::with_capacity(asset.contact_capacity),
             smoothing: 0.0,
+            geometric: false,
             current: asset.avatar.rest_state(),
             points: vec![PointStart::default(); points],
             damping_tangents: vec![[[0.0; 9]; 9]; if damped { points } else { 0 }],
@@ -114,6 +117,7 @@ impl Step {
         self.collider_motions
             .extend(self.colliders.iter().map(moved));
         self.smoothing = start.slip_speed * start.time_step;
+        self.geometric = start.geometric_contact;
         self.current.clone_from(start.current);
 
         pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);

@@ -1,7 +1,7 @@
 //! The reduced system: small and nearly dense.
 
 use super::linear_solver::{
-    DIAGONAL_SHIFTS, LinearSolver, SolveReport, diagonal_scaling, multiply_add, scaled_norm,
+    LinearSolver, SolveReport, diagonal_scaling, multiply_add, scaled_norm,
 };
 use crate::potential::BlockPattern;
 use crate::{Error, Result};
@@ -82,12 +82,13 @@ impl DenseCholesky {
 }
 
 impl LinearSolver for DenseCholesky {
-    fn solve(
+    fn solve_shifted(
         &mut self,
         hessian: &[[f64; 9]],
         gradient: &[f64],
         fixed: &[bool],
         step: &mut [f64],
+        shifts: &[f64],
     ) -> Result<SolveReport> {
         diagonal_scaling(&self.pattern, hessian, fixed, &mut self.scaling);
         if scaled_norm(gradient, &self.scaling, fixed) == 0.0 {
@@ -102,7 +103,7 @@ impl LinearSolver for DenseCholesky {
             .take()
             .unwrap_or_else(|| Factor::new(gradient.len()));
         let mut pivot = 0;
-        for diagonal_shift in DIAGONAL_SHIFTS {
+        for &diagonal_shift in shifts {
             match double.factorise(&self.pattern, hessian, fixed, &self.scaling, diagonal_shift) {
                 Err(index) => pivot = index,
                 Ok(()) => {
@@ -121,7 +122,7 @@ impl LinearSolver for DenseCholesky {
             system: "reduced Newton system",
             problem: format!(
                 "not positive definite at DoF {pivot}, even with {} added to its scaled diagonal",
-                DIAGONAL_SHIFTS[DIAGONAL_SHIFTS.len() - 1]
+                shifts.last().unwrap_or(&0.0)
             ),
         })
     }

@@ -15,14 +15,33 @@ pub struct SolveReport {
 /// Solves H δ = −g over the free DoFs.
 pub trait LinearSolver {
     /// Solves for `step`, whose `fixed` DoFs come out 0. `hessian` holds the blocks of the pattern
-    /// that the solver was made for, lower triangle, each 3×3 column by column.
+    /// that the solver was made for, lower triangle, each 3×3 column by column. A matrix that is not positive
+    /// definite gets the first of `shifts`, rising, that makes it so.
+    ///
+    /// # Errors
+    /// None does.
+    fn solve_shifted(
+        &mut self,
+        hessian: &[[f64; 9]],
+        gradient: &[f64],
+        fixed: &[bool],
+        step: &mut [f64],
+        shifts: &[f64],
+    ) -> Result<SolveReport>;
+
+    /// [`LinearSolver::solve_shifted`] by 0 to 1 on the scaled diagonal, which is 1 everywhere.
+    ///
+    /// # Errors
+    /// The matrix is far from positive definite.
     fn solve(
         &mut self,
         hessian: &[[f64; 9]],
         gradient: &[f64],
         fixed: &[bool],
         step: &mut [f64],
-    ) -> Result<SolveReport>;
+    ) -> Result<SolveReport> {
+        self.solve_shifted(hessian, gradient, fixed, step, &DIAGONAL_SHIFTS)
+    }
 }
 
 /// `out = H x + y` with the packed lower triangle.
@@ -75,7 +94,7 @@ pub(super) fn diagonal_scaling(
 }
 
 /// Shifts of the scaled diagonal (1) that are tried in turn when a matrix is not positive definite.
-pub(super) const DIAGONAL_SHIFTS: [f64; 7] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 0.1, 1.0];
+const DIAGONAL_SHIFTS: [f64; 7] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 0.1, 1.0];
 
 /// |D r| over the free DoFs.
 pub(super) fn scaled_norm(r: &[f64], scaling: &[f64], fixed: &[bool]) -> f64 {

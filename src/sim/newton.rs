@@ -1,6 +1,6 @@
 //! Newton's method on the incremental potential, for a batch of instances.
 
-use super::linear_solver::{LinearSolver, multiply_add};
+use super::linear_solver::{LinearSolver, SolveReport, multiply_add};
 use super::report::{InstanceReport, Stop, Timings};
 use super::settings::SolverMode;
 use crate::math::Stopwatch;
@@ -230,7 +230,7 @@ impl Newton {
             if !self.running[i] {
                 continue;
             }
-            let (lane, evaluation) = (&mut self.lanes[i], &self.evaluations[i]);
+            let (lane, evaluation) = (&mut self.lanes[i], &mut self.evaluations[i]);
             let gradient = &evaluation.gradient;
             let energy = evaluation.energies.total() + lane.report.skeleton_energies.total();
             if !energy.is_finite() {
@@ -239,8 +239,8 @@ impl Newton {
             if !gradient.iter().all(|g| g.is_finite()) {
                 return Err(Error::NotFinite { quantity: "force" });
             }
-            let solved =
-                solver.solve(&evaluation.hessian, gradient, &lane.fixed, &mut lane.step)?;
+            let (solved, dropped) = solve(solver, evaluation, &lane.fixed, &mut lane.step)?;
+            let gradient = &evaluation.gradient;
             if !lane.step.iter().all(|d| d.is_finite()) {
                 return Err(Error::NotFinite {
                     quantity: "Newton step",
@@ -260,6 +260,7 @@ impl Newton {
             report.decrement = -dot(gradient, &lane.step);
             report.step_length = step_length(&lane.step, lane.current.frames.len());
             report.diagonal_shift = report.diagonal_shift.max(solved.diagonal_shift);
+            report.geometric_dropped += usize::from(dropped);
             report.energies = evaluation.energies;
             report.contact_force = evaluation.contact_force;
             report.contacts = evaluation.contacts;
@@ -288,6 +289,34 @@ impl Newton {
             }
         }
     }
+}
+
+/// Solves with the geometric terms of contact where the evaluation has them; where the Hessian is not positive definite
+/// with them, without. [`Evaluation::hessian`] is then the matrix that served. Tells whether terms were dropped.
+fn solve(
+    solver: &mut dyn LinearSolver,
+    evaluation: &mut Evaluation,
+    fixed: &[bool],
+    step: &mut [f64],
+) -> Result<(SolveReport, bool)> {
+    let Evaluation {
+        hessian,
+        geometric,
+        gradient,
+        ..
+    } = evaluation;
+    let wanted = !geometric.is_empty();
+    if wanted {
+        let sums = geometric.as_flattened_mut().iter_mut();
+        for (sum, term) in sums.zip(hessian.as_flattened()) {
+            *sum += term;
+        }
+        if let Ok(report) = solver.solve_shifted(geometric, gradient, fixed, step, &[0.0]) {
+            std::mem::swap(hessian, geometric);
+            return Ok((report, false));
+        }
+    }
+    Ok((solver.solve(hessian, gradient, fixed, step)?, wanted))
 }
 
 /// a · b.

@@ -68,6 +68,10 @@ pub struct InstanceReport {
     pub step_length: f64,
     /// Largest diagonal shift that a factorisation needed, relative to the scaled diagonal of 1.
     pub diagonal_shift: f64,
+    /// Iterations whose Hessian was positive definite only without the geometric terms of contact, see
+    /// [`Settings::geometric_contact`](super::Settings::geometric_contact).
+    #[serde(default)]
+    pub geometric_dropped: usize,
     /// E(last evaluated iterate) − E(qⁿ), J.
     pub energies: Energies,
     /// The same of the skeleton's terms.
@@ -93,6 +97,7 @@ impl Default for InstanceReport {
             decrement: 0.0,
             step_length: 0.0,
             diagonal_shift: 0.0,
+            geometric_dropped: 0,
             energies: Energies::default(),
             skeleton_energies: SkeletonEnergies::default(),
             contact_force: DVec3::ZERO,

@@ -302,6 +302,7 @@ pub(super) fn tissue_start<'a>(
         current: &instance.state,
         colliders: &instance.colliders,
         slip_speed: settings.slip_speed,
+        geometric_contact: settings.geometric_contact,
         // A captured shape already sags: the tissue's weight is then among the skeleton's terms.
         tissue_gravity: if captured_under_gravity {
             DVec3::ZERO

@@ -1,7 +1,7 @@
 //! The full-space system: large and sparse.
 
 use super::linear_solver::{
-    DIAGONAL_SHIFTS, LinearSolver, SolveReport, diagonal_scaling, multiply_add, scaled_norm,
+    LinearSolver, SolveReport, diagonal_scaling, multiply_add, scaled_norm,
 };
 use crate::potential::BlockPattern;
 use crate::{Error, Result};
@@ -142,12 +142,13 @@ impl SparseCholesky {
 }
 
 impl LinearSolver for SparseCholesky {
-    fn solve(
+    fn solve_shifted(
         &mut self,
         hessian: &[[f64; 9]],
         gradient: &[f64],
         fixed: &[bool],
         step: &mut [f64],
+        shifts: &[f64],
     ) -> Result<SolveReport> {
         diagonal_scaling(&self.pattern, hessian, fixed, &mut self.scaling);
         let size = scaled_norm(gradient, &self.scaling, fixed);
@@ -156,7 +157,7 @@ impl LinearSolver for SparseCholesky {
             return Ok(SolveReport::default());
         }
         let mut pivot = 0;
-        for diagonal_shift in DIAGONAL_SHIFTS {
+        for &diagonal_shift in shifts {
             self.fill(hessian, fixed, diagonal_shift);
             match self.factorise_and_solve(gradient, fixed, step) {
                 Err(index) => pivot = index,
@@ -174,7 +175,7 @@ impl LinearSolver for SparseCholesky {
             system: "full-space Newton system",
             problem: format!(
                 "not positive definite (pivot {pivot}), even with {} added to its scaled diagonal",
-                DIAGONAL_SHIFTS[DIAGONAL_SHIFTS.len() - 1]
+                shifts.last().unwrap_or(&0.0)
             ),
         })
     }

@@ -3,6 +3,7 @@
 use super::potential::{GpuPotential, Start};
 use super::shared::BatchState;
 use super::{Batch, upload};
+use crate::model::pose_feature;
 use crate::potential::StepStart;
 use crate::{Error, GpuError, Result};
 
@@ -74,6 +75,9 @@ impl GpuPotential {
                 origin,
                 current: start.current.clone(),
                 header,
+                geometric: start
+                    .geometric_contact
+                    .then(|| pose_feature(&self.avatar.skeleton.parents, &start.current.frames)),
             });
         }
         (self.buffers.features).write(&self.queue, 0, &self.features);

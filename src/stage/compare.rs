@@ -42,6 +42,7 @@ impl GpuPotential {
                     origin,
                     current,
                     header,
+                    ..
                 } = self.start(trial.instance)?.clone();
                 let header = BatchState {
                     slot: (instances + self.batch.len()) as u32,

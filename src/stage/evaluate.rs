@@ -1,5 +1,7 @@
-//! Energy, gradient and Hessian on the GPU: one submission and one readback.
+//! Energy, gradient and Hessian on the GPU: one submission (one a chunk, where the scratch memory does not hold all
+//! states) and one readback.
 
+use super::geometric::contact_bytes;
 use super::potential::{GpuPotential, Start};
 use super::shared::{BatchState, Summary};
 use crate::model::State;
@@ -26,6 +28,7 @@ impl GpuPotential {
                 origin,
                 current,
                 header,
+                ..
             } = self.start(i)?.clone();
             let header = BatchState {
                 slot: (instances + self.batch.len()) as u32,
@@ -41,10 +44,25 @@ impl GpuPotential {
         self.upload(instances);
         let summary_bytes = (count * size_of::<Summary>()) as u64;
         let stride = self.buffers.result_stride;
-        let bytes = summary_bytes + (4 * count * stride) as u64;
-        self.submit(
-            |stages, pass| {
-                for batch in self.chunks(count) {
+        let contacts_at = summary_bytes + (4 * count * stride) as u64;
+        let contact_bytes = contact_bytes(self.options.contacts);
+        let wanted = |header: &BatchState| {
+            let start = self.starts[header.instance as usize].as_ref();
+            start.is_some_and(|start| start.geometric.is_some())
+        };
+        let geometric = self.batch.iter().any(wanted);
+        let bytes = contacts_at
+            + if geometric {
+                (count * contact_bytes) as u64
+            } else {
+                0
+            };
+        let mut done = 0;
+        for batch in self.chunks(count) {
+            let first = done;
+            done += batch.states as usize;
+            self.submit(
+                |stages, pass| {
                     stages.displacement.dispatch(pass, batch);
                     stages.elasticity.dispatch(pass, batch);
                     stages.contact.dispatch(pass, batch);
@@ -56,20 +74,30 @@ impl GpuPotential {
                     stages.point_hessian.dispatch(pass, batch);
                     stages.hessian.dispatch(pass, batch);
                     stages.energy.dispatch(pass, batch);
-                }
-            },
-            |encoder| {
-                let summaries = self.buffers.summaries.raw();
-                (self.readback).record(encoder, summaries, 0..summary_bytes, 0);
-                let result = self.buffers.result.raw();
-                let range = 0..bytes - summary_bytes;
-                (self.readback).record(encoder, result, range, summary_bytes);
-            },
-        );
+                },
+                |encoder| {
+                    if geometric {
+                        // The next chunk writes over them.
+                        let contacts = self.buffers.contacts.raw();
+                        let range = 0..((done - first) * contact_bytes) as u64;
+                        let at = contacts_at + (first * contact_bytes) as u64;
+                        (self.readback).record(encoder, contacts, range, at);
+                    }
+                    if done == count {
+                        let summaries = self.buffers.summaries.raw();
+                        (self.readback).record(encoder, summaries, 0..summary_bytes, 0);
+                        let result = self.buffers.result.raw();
+                        let range = 0..contacts_at - summary_bytes;
+                        (self.readback).record(encoder, result, range, summary_bytes);
+                    }
+                },
+            );
+        }
         let (dofs, capacity) = (self.avatar.space().dofs(), self.options.contacts);
         let batch = &self.batch;
         let unpack = |bytes: &[u8]| {
-            let (summaries, results) = bytes.split_at(summary_bytes as usize);
+            let (results, contacts) = bytes.split_at(contacts_at as usize);
+            let (summaries, results) = results.split_at(summary_bytes as usize);
             let mut found = Vec::with_capacity(count);
             for (header, bytes) in batch
                 .iter()
@@ -85,7 +113,8 @@ impl GpuPotential {
                 });
             }
             for (b, summary) in found.iter().enumerate() {
-                let evaluation = &mut out[batch[b].instance as usize];
+                let instance = batch[b].instance as usize;
+                let evaluation = &mut out[instance];
                 evaluation.energies = energies(summary)?;
                 evaluation.contact_force = Vec3::from_array(summary.energy.force).as_dvec3();
                 evaluation.contacts = summary.contacts as usize;
@@ -99,6 +128,9 @@ impl GpuPotential {
                 evaluation.hessian.extend(blocks.map(|block| {
                     std::array::from_fn(|k| f64::from(float(&block[4 * k..4 * k + 4])))
                 }));
+                let contacts = contacts.get(b * contact_bytes..).unwrap_or_default();
+                let (start, state) = (self.start(instance)?, &states[instance]);
+                self.geometric_terms(start, state, contacts, &mut evaluation.geometric);
             }
             Ok(())
         };

@@ -11,6 +11,7 @@ mod elasticity;
 mod energy;
 mod evaluate;
 mod friction;
+mod geometric;
 mod gradient;
 mod grids;
 mod hessian;

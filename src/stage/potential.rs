@@ -7,6 +7,7 @@ use super::displacement::Displacement;
 use super::elasticity::Elasticity;
 use super::energy::Energy;
 use super::friction::Friction;
+use super::geometric::contact_bytes;
 use super::gradient::Gradient;
 use super::hessian::Hessian;
 use super::normals::Normals;
@@ -65,6 +66,8 @@ pub(super) struct Start {
     pub current: State,
     /// Header of a state of this instance, without its slots.
     pub header: BatchState,
+    /// Pose feature of qⁿ where the geometric terms of contact are wanted.
+    pub geometric: Option<Vec<f64>>,
 }
 
 #[derive(Debug)]
@@ -153,10 +156,11 @@ impl GpuPotential {
         };
         let summaries = buffers.capacity.states * size_of::<Summary>();
         let results = instances * buffers.result_stride * size_of::<f32>();
+        let contacts = instances * contact_bytes(options.contacts);
         let skin_bytes = avatar.skin.len() * size_of::<SkinVertex>();
         let readback = |label, bytes| Readback::new(device, label, bytes as u64, options.waiting);
         Ok(Self {
-            readback: readback("evaluation", summaries + results),
+            readback: readback("evaluation", summaries + results + contacts),
             skin_readback: readback("skin", skin_bytes),
             starts: vec![None; instances],
             skin_origins: vec![DVec3::ZERO; instances],

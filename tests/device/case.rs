@@ -69,6 +69,7 @@ pub fn start(case: &Case) -> StepStart<'_> {
         colliders: &case.colliders,
         tissue_gravity: DVec3::new(0.0, 0.0, -9.81),
         slip_speed: 1e-3,
+        geometric_contact: true,
     }
 }
 

@@ -146,15 +146,23 @@ fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {
         let error = norm(&mut pairs().map(|(a, b)| a - b));
         let size = norm(&mut want.gradient.iter().copied());
         assert!(error <= tolerance * size, "gradient: {error} of {size}");
-        let pairs = || {
-            got.hessian
-                .iter()
-                .flatten()
-                .zip(want.hessian.iter().flatten())
-        };
-        let error = norm(&mut pairs().map(|(a, b)| a - b));
-        let size = norm(&mut want.hessian.iter().flatten().copied());
-        assert!(error <= tolerance * size, "Hessian: {error} of {size}");
+        let matrices = [
+            ("Hessian", &got.hessian, &want.hessian),
+            ("geometric terms", &got.geometric, &want.geometric),
+        ];
+        for (name, got_blocks, want_blocks) in matrices {
+            assert_eq!(got_blocks.len(), want_blocks.len(), "{name}");
+            let pairs = || {
+                got_blocks
+                    .iter()
+                    .flatten()
+                    .zip(want_blocks.iter().flatten())
+            };
+            let error = norm(&mut pairs().map(|(a, b)| a - b));
+            let size = norm(&mut want_blocks.iter().flatten().copied());
+            assert!(size > 0.0 || want.contacts == 0, "{name}");
+            assert!(error <= tolerance * size, "{name}: {error} of {size}");
+        }
         let force = (got.contact_force - want.contact_force).length();
         assert!(force <= tolerance * want.contact_force.length());
     }

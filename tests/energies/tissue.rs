@@ -197,6 +197,7 @@ impl Tissue {
             colliders: &colliders,
             tissue_gravity: setup.tissue_gravity,
             slip_speed: setup.slip_speed,
+            geometric_contact: false,
         };
         block_on(potential.begin_step(&[start], &[true])).unwrap();
         Self { potential, state }

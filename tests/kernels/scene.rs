@@ -149,6 +149,7 @@ impl Scene {
                 colliders: &colliders[i],
                 tissue_gravity: GRAVITY,
                 slip_speed: SLIP_SPEED,
+                geometric_contact: false,
             })
             .collect();
 

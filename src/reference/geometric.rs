@@ -1,0 +1,86 @@
+//! The geometric terms of contact: Σ f · ∂²z/∂q² over the contacts' rows, f = ∂E/∂z, which Gauss–Newton drops:
+//!
+//! ```text
+//! (ω_j, ω_j): ½ (f a_jᵀ + a_j fᵀ) − (f·a_j) I      (ω_j, φ_h): −w_j [f]× R_j N_h
+//! ```
+//!
+//! and, seen from a carrier, z = exp(−\[δω\]) (x − c): (ω, ω) as a bone's with r = x − c, (ω, b): \[f\]× ∂z/∂q_b.
+//! With them the Hessian may be indefinite. Rows read back from a GPU are assembled here as well.
+
+use super::Basis;
+use super::contact::ContactRow;
+use super::displacement::{blended_rotation, position};
+use crate::math::skew;
+use crate::model::{Frame, SkinWeight};
+use crate::potential::BlockPattern;
+use glam::{DMat3, DVec3};
+
+/// The vertex of a row, and what moves it.
+pub struct Vertex<'a, B> {
+    /// Its bones.
+    pub skinning: &'a [SkinWeight],
+    /// Its handles.
+    pub basis: &'a [B],
+    /// T, m.
+    pub unposed: DVec3,
+}
+
+/// Adds the terms of `row` to the packed blocks `out`.
+pub fn add_geometric<B: Basis>(
+    pattern: &BlockPattern,
+    row: &ContactRow,
+    vertex: &Vertex<'_, B>,
+    joints: &[DVec3],
+    frames: &[Frame],
+    out: &mut [[f64; 9]],
+) {
+    let (f, space) = (row.force * row.direction, pattern.space());
+    let mut add = |row: usize, column: usize, block: DMat3| {
+        let (high, low, block) = if row >= column {
+            (row, column, block)
+        } else {
+            (column, row, block.transpose())
+        };
+        // The pattern has every pair of blocks that one contact moves.
+        if let Some(k) = pattern.find(high, low) {
+            for (sum, term) in out[k].iter_mut().zip(block.to_cols_array()) {
+                *sum += term;
+            }
+        }
+    };
+    for w in vertex.skinning {
+        let j = w.bone as usize;
+        let rotation = frames[j].rotation;
+        let arm = w.weight * (rotation * (vertex.unposed - joints[j]));
+        let omega = space.frame_block(j) + 1;
+        add(omega, omega, turned(f, arm));
+        for n in vertex.basis {
+            let mixed = n.after(skew(f) * rotation * -w.weight);
+            add(omega, space.handle_block(n.handle()), mixed);
+        }
+    }
+    let Some(carrier) = row.carrier else { return };
+    let c = space.frame_block(carrier as usize);
+    let omega = c + 1;
+    let point = position(vertex.skinning, joints, frames, vertex.unposed);
+    let r = point - frames[carrier as usize].position;
+    add(omega, omega, turned(f, r));
+    add(omega, c, -skew(f));
+    for w in vertex.skinning {
+        let j = w.bone as usize;
+        let arm = w.weight * (frames[j].rotation * (vertex.unposed - joints[j]));
+        let block = space.frame_block(j);
+        add(omega, block, skew(f) * w.weight);
+        add(omega, block + 1, -(skew(f) * skew(arm)));
+    }
+    let pulled = skew(f) * blended_rotation(vertex.skinning, frames);
+    for n in vertex.basis {
+        add(omega, space.handle_block(n.handle()), n.after(pulled));
+    }
+}
+
+/// ½ (f aᵀ + a fᵀ) − (f·a) I.
+fn turned(f: DVec3, a: DVec3) -> DMat3 {
+    let outer = DMat3::from_cols(f * a.x, f * a.y, f * a.z);
+    (outer + outer.transpose()) * 0.5 - DMat3::from_diagonal(DVec3::splat(f.dot(a)))
+}
