@@ -215,7 +215,7 @@ fn seeds_that_see(path: &str) -> Vec<u64> {
     let is_material = |p: &&str| *p == path;
     let of_some = Material::examples()
         .iter()
-        .any(|m| m.kernels().iter().any(|p| is_material(p)));
+        .any(|m| m.kernels().iter().any(&is_material));
     let uses = |seed: &u64| !of_some || avatar(*seed).material.kernels().contains(&path);
     seeds(2).into_iter().filter(uses).take(2).collect()
 }
