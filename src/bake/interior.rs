@@ -7,7 +7,7 @@ use crate::math::{Rows, SparseFactor, SparseSymmetric};
 use crate::model::{PoseBlend, SkinWeight, TetMesh};
 use crate::{Error, Result};
 
-/// The Laplace problem of a layer, factored once: what [`HeldNodes`] hold is given.
+/// The Laplace problem of a layer, factored once: values at bones and at the skin are given.
 #[derive(Debug)]
 pub struct InteriorField<'a> {
     bone_of_node: &'a [Option<u32>],

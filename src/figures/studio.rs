@@ -168,7 +168,7 @@ impl Studio {
     /// The same with every node of the soft layer solved for, and the avatar in that space.
     ///
     /// # Errors
-    /// As [`run_scene`] and [`full_space`].
+    /// As [`run_full_space`].
     pub fn play_full_space(
         &self,
         scene: &Scene,
