@@ -16,8 +16,8 @@
 @group(0) @binding(10) var<storage, read_write> lagged: array<Lagged>;
 @group(0) @binding(11) var<storage, read_write> slips: array<vec4<f32>>;
 
-// Lists what touches a rough collider at qⁿ, with λ = k a δ and n in world axes; `distances` and
-// `colliders` are those of tⁿ. One workgroup a state; each thread takes a run of vertex–collider pairs.
+// Lists what touches a rough collider at qⁿ, with λ = k a δ |∇d| and n along ∇d in world axes; where ∇d
+// vanishes (between samples of a distance) nothing rubs. `distances` and `colliders` are those of tⁿ. One workgroup a state; each thread takes a run of vertex–collider pairs.
 @compute @workgroup_size(256)
 fn lag(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -47,8 +47,15 @@ fn lag(
         if (collider.friction > 0.0 && d.w > 0.0) {
             if (at < constants.contacts) {
                 let vertex = pair / state.colliders;
-                let force = collider.stiffness * points[vertex].measure * d.w;
-                lagged[header + 1u + at] = Lagged(vec3(0.0), collider.friction * force, d.xyz,
+                var slope = length(d.xyz);
+                var n = vec3(0.0, 0.0, 1.0);
+                if (slope > 1e-18) {
+                    n = d.xyz / slope;
+                } else {
+                    slope = 0.0;
+                }
+                let force = collider.stiffness * points[vertex].measure * d.w * slope;
+                lagged[header + 1u + at] = Lagged(vec3(0.0), collider.friction * force, n,
                     vertex, vec3(0.0), collider.carrier, index);
             }
             at++;

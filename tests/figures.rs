@@ -48,6 +48,7 @@ figures![
     cylinders,
     walk,
     finger_slide,
+    ragdolls,
     cubature,
     reduced_full,
     table_1,

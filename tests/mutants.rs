@@ -108,6 +108,8 @@ const MUTANTS: &[Mutant] = &[
     ("contact", "shared/contact.wgsl", "slot * constants.points * constants.colliders", "slot * constants.points"),
     // friction
     ("friction", "friction.wgsl", "collider.friction * force", "force"),
+    ("friction", "friction.wgsl", "points[vertex].measure * d.w * slope", "points[vertex].measure * d.w"),
+    ("friction", "friction.wgsl", "n = d.xyz / slope", "n = d.xyz"),
     ("friction", "friction.wgsl", "count += u32(rough &&", "count += u32("),
     ("friction", "friction.wgsl", "let vertex = pair / state.colliders", "let vertex = pair % state.colliders"),
     ("friction", "friction.wgsl", "(p - carrier.position) * carrier.rotation", "carrier.rotation * (p - carrier.position)"),

@@ -127,3 +127,54 @@ fn a_scene_needs_a_name_steps_and_an_avatar_only() {
     let times: Vec<f64> = scene.output.panels.iter().map(|p| p.time).collect();
     assert_eq!(times, [0.0, scene.duration()]);
 }
+
+/// A mesh lies beside the scene; its objects are one solid, and what is wrong with it is named.
+#[test]
+fn a_scene_reads_its_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let cubes = |open: bool| {
+        let mut text = String::new();
+        for (k, x) in [-0.05, 0.05].into_iter().enumerate() {
+            text += &format!("o cube{k}\n");
+            for corner in 0..8 {
+                let side = |bit: i32| 0.02 * f64::from(2 * (corner >> bit & 1) - 1);
+                text += &format!("v {} {} {}\n", x + side(0), side(1), side(2));
+            }
+            let faces = [
+                "1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6",
+            ];
+            for face in &faces[usize::from(open)..] {
+                let corners = face.split(' ').map(|c| c.parse::<usize>().unwrap() + 8 * k);
+                let corners: Vec<String> = corners.map(|c| c.to_string()).collect();
+                text += &format!("f {}\n", corners.join(" "));
+            }
+        }
+        text
+    };
+    let mesh = folder.path().join("cubes.obj");
+    std::fs::write(&mesh, cubes(false)).unwrap();
+    let path = folder.path().join("bone_press_s.toml");
+    let ball = "shape = \"sphere\", radius = 0.03";
+    assert!(good().contains(ball));
+    let text = good().replacen(ball, "shape = \"mesh\", file = \"cubes.obj\"", 1);
+    std::fs::write(&path, text).unwrap();
+    let scene = read_scene(&path).unwrap();
+    let shape = &scene.colliders[0].shape;
+    shape.validate().unwrap();
+    let distance = |x: f64, z: f64| shape.signed_distance(DVec3::new(x, 0.0, z)).distance;
+    for x in [-0.05, 0.05] {
+        // Above a face the interpolated distance is exact, but for f32.
+        assert!((distance(x, 0.025) - 0.005).abs() < 1e-8);
+        assert!((distance(x, 0.017) + 0.003).abs() < 1e-8);
+    }
+    assert!(
+        (distance(0.0, 0.0) - 0.03).abs() < 5e-3,
+        "between the cubes"
+    );
+    std::fs::write(&mesh, cubes(true)).unwrap();
+    let error = read_scene(&path).unwrap_err().to_string();
+    assert!(error.contains("cubes.obj"), "{error}");
+    std::fs::remove_file(&mesh).unwrap();
+    let error = read_scene(&path).unwrap_err().to_string();
+    assert!(error.contains("cubes.obj"), "{error}");
+}

@@ -25,6 +25,7 @@ mod page;
 mod pin_press;
 mod poses;
 pub mod press;
+mod ragdolls;
 mod reduced_full;
 mod rigid_soft;
 mod skins;
@@ -67,6 +68,7 @@ pub const FIGURES: &[Figure] = &[
     cylinders::FIGURE,
     walk::FIGURE,
     finger_slide::FIGURE,
+    ragdolls::FIGURE,
     cubature::FIGURE,
     reduced_full::FIGURE,
     table_1::FIGURE,

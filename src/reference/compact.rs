@@ -34,8 +34,8 @@ pub fn compact(
     active
 }
 
-/// Lists the candidates of qⁿ against the colliders of tⁿ that have friction, with λ = k a δ. `frames` are
-/// those that the colliders are fixed to, at tⁿ; `point` gives a vertex's place, m.
+/// Lists the candidates of qⁿ against the colliders of tⁿ that have friction. They push with λ = k a δ |∇d|,
+/// as ∇d between samples of a distance is no unit vector; where it vanishes nothing rubs. `frames` are those that the colliders are fixed to, at tⁿ; `point` gives a vertex's place, m.
 pub fn lag(
     candidates: &[Candidate],
     areas: &[f64],
@@ -52,17 +52,28 @@ pub fn lag(
         |vertex, k, candidate, area| {
             let (collider, frame) = (&colliders[k], &frames[k]);
             if collider.friction > 0.0 {
+                let (slope, normal) = length_and_direction(candidate.normal);
+                let force = collider.stiffness * area * candidate.depth * slope;
                 out.push(Lagged {
                     vertex: vertex as u32,
                     collider: k as u32,
                     carrier: collider.carrier,
                     anchor: frame.inverse_transform(point(vertex)),
-                    normal: frame.rotation.transpose() * candidate.normal,
-                    limit: collider.friction * (collider.stiffness * area * candidate.depth),
+                    normal: frame.rotation.transpose() * normal,
+                    limit: collider.friction * force,
                 });
             }
         },
     );
+}
+
+/// |∇d|, and n along it; z where there is none.
+fn length_and_direction(gradient: DVec3) -> (f64, DVec3) {
+    let length = gradient.length();
+    if length > 1e-18 {
+        return (length, gradient / length);
+    }
+    (0.0, DVec3::Z)
 }
 
 /// Calls `f(vertex, collider, candidate, area)` for what touches.
@@ -78,6 +89,37 @@ fn for_each(
             if candidate.depth > 0.0 {
                 f(vertex, k, candidate, area);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collider::Shape;
+
+    /// λ is what the push is, ½ k a δ² differentiated, however long ∇d; the plane is across ∇d.
+    #[test]
+    fn friction_takes_the_push_and_its_direction_from_a_gradient_of_any_length() {
+        let rough = Collider {
+            friction: 0.5,
+            ..Collider::new(Shape::HalfSpace, Frame::IDENTITY)
+        };
+        let (area, direction) = (2e-6, DVec3::new(0.6, 0.0, 0.8));
+        for slope in [1.0, 0.4, 1e-9, 0.0] {
+            let candidate = Candidate {
+                depth: 1e-3,
+                normal: slope * direction,
+            };
+            let mut lagged = Vec::new();
+            let (colliders, frames) = (&[rough.clone()], &[Frame::IDENTITY]);
+            let point = |_| DVec3::ZERO;
+            lag(&[candidate], &[area], colliders, frames, point, &mut lagged);
+            let push = ContactRow::normal(&candidate, rough.stiffness * area, 0, &rough);
+            let force = (push.force * push.direction).length();
+            assert!((lagged[0].limit - 0.5 * force).abs() <= 1e-15 * force);
+            assert!((lagged[0].normal.length() - 1.0).abs() < 1e-15);
+            assert!(slope == 0.0 || lagged[0].normal.distance(direction) < 1e-15);
         }
     }
 }

@@ -10,7 +10,7 @@ use glam::DVec3;
 pub struct Candidate {
     /// δ = (d̂ − d)₊, m.
     pub depth: f64,
-    /// Outward normal of the collider, in world axes.
+    /// ∇d: outward normal of the collider, in world axes; as long as its shape's.
     pub normal: DVec3,
 }
 
@@ -23,7 +23,7 @@ pub struct ContactRow {
     pub vertex: u32,
     /// The frame that carries the collider: the other side; none where its motion is given.
     pub carrier: Option<u32>,
-    /// e, a unit vector in world axes.
+    /// e, in world axes: ∇d of a push, a unit vector of friction.
     pub direction: DVec3,
     /// f = ∂E/∂(e · z), N: the vertex is pushed by −f e.
     pub force: f64,

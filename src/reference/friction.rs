@@ -25,7 +25,7 @@ pub struct Lagged {
     pub carrier: Option<u32>,
     /// a: where the vertex was at tⁿ in the collider's (or its carrier's) frame, m.
     pub anchor: DVec3,
-    /// nⁿ, in the same axes.
+    /// nⁿ, in the same axes: a unit vector.
     pub normal: DVec3,
     /// μ λ, N.
     pub limit: f64,
@@ -36,7 +36,7 @@ pub struct Lagged {
 pub struct Slip {
     /// u, m.
     pub displacement: DVec3,
-    /// n.
+    /// n, a unit vector.
     pub normal: DVec3,
 }
 

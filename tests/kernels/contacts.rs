@@ -177,16 +177,18 @@ pub fn friction(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     for (got, want) in got.iter().zip(&want) {
         let (k, v) = (want.collider as usize, want.vertex as usize);
-        out.number(f64::from(got.limit), want.limit, want.limit, 3);
+        // Three products; |∇d| is a square root (5) of three squares, whose roundings (3) it halves.
+        out.number(f64::from(got.limit), want.limit, want.limit, 10);
         let abs_rotation = abs(places[k].rotation);
         let abs_p = abs_position(scene, phase, INSTANCE, set, v, rest[v]);
         let abs_anchor = abs_rotation.transpose() * (abs_p + places[k].position.abs());
         let roundings = skin_roundings(set, v) + 4;
         out.vector(vec(got.anchor), want.anchor, abs_anchor, roundings);
-        let abs_normal =
-            abs_rotation.transpose() * candidates[v * colliders.len() + k].normal.abs();
+        // Of unit length, which takes 7 for the length and 3 for the quotient.
+        let abs_normal = candidates[v * colliders.len() + k].normal.normalize().abs();
+        let abs_normal = abs_rotation.transpose() * abs_normal;
         if want.carrier.is_some() {
-            out.vector(vec(got.normal), want.normal, abs_normal, 3);
+            out.vector(vec(got.normal), want.normal, abs_normal, 13);
             continue;
         }
         let motion = &motions[k];
@@ -196,7 +198,7 @@ pub fn friction(scene: &Scene) -> Outcome {
             vec(got.normal),
             normal,
             (abs_rotation + abs_change) * abs_normal,
-            8,
+            18,
         );
         let magnitude = abs_change * abs_anchor + motion.translation_change.abs();
         let start = -friction_twin::carried(want, motion);

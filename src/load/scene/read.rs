@@ -18,7 +18,7 @@ use toml::Value;
 pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
     let path = path.as_ref();
     let text = read_toml_text(path)?;
-    let mut scene = parse_scene(&text, path)?;
+    let mut scene = unchecked(&text, path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     scene.avatar.resolve(folder);
     if let Some(motion) = &mut scene.motion {
@@ -29,11 +29,19 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
     colliders
         .chain(bodies)
         .try_for_each(|shape| read_mesh(shape, folder))?;
+    scene.validate().map_err(|e| of_file(e, path))?;
     Ok(scene)
 }
 
-/// Reads a scene from `text`; `path` names it in errors. See [`read_scene`].
+/// Reads a scene from `text`; `path` names it in errors. See [`read_scene`], which alone reads the files of meshes.
 pub fn parse_scene(text: &str, path: &Path) -> Result<Scene> {
+    let scene = unchecked(text, path)?;
+    scene.validate().map_err(|e| of_file(e, path))?;
+    Ok(scene)
+}
+
+/// What `text` says, with what it leaves out.
+fn unchecked(text: &str, path: &Path) -> Result<Scene> {
     let mut scene: Scene = parse_toml(text, path)?;
     if scene.measure.full_press == f64::INFINITY {
         scene.measure.full_press = scene.duration();
@@ -41,7 +49,6 @@ pub fn parse_scene(text: &str, path: &Path) -> Result<Scene> {
     if scene.output.panels.is_empty() {
         scene.output.panels = scene.default_panels();
     }
-    scene.validate().map_err(|e| of_file(e, path))?;
     Ok(scene)
 }
 
