@@ -112,7 +112,7 @@ mod tests {
                 normal: slope * direction,
             };
             let mut lagged = Vec::new();
-            let (colliders, frames) = (&[rough.clone()], &[Frame::IDENTITY]);
+            let (colliders, frames) = (std::slice::from_ref(&rough), &[Frame::IDENTITY]);
             let point = |_| DVec3::ZERO;
             lag(&[candidate], &[area], colliders, frames, point, &mut lagged);
             let push = ContactRow::normal(&candidate, rough.stiffness * area, 0, &rough);
