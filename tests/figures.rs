@@ -49,6 +49,7 @@ figures![
     walk,
     finger_slide,
     ragdolls,
+    lift,
     cubature,
     reduced_full,
     table_1,

@@ -1,9 +1,9 @@
 //! `supple sample`.
 
 use super::{make_folder, print};
-use crate::export::{write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh};
+use crate::export::{pose_line, write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh};
 use crate::load::{AvatarSource, PALM, SOFT, Sample, TetMeshFile, map_of};
-use crate::sample::{Limb, body, hand, walk};
+use crate::sample::{Limb, body, grasp, hand, walk};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -19,6 +19,8 @@ enum Model {
     Limb,
     /// A walk on SMPL's joint tree, as BVH.
     Walk,
+    /// Poses of the hand that grasps and lifts, as JSON lines.
+    Grasp,
 }
 
 /// Arguments of `supple sample`.
@@ -39,6 +41,13 @@ impl Arguments {
         let source = match self.model {
             Model::Walk => {
                 write_bvh(&walk(), folder.join("walk.bvh"))?;
+                print(format_args!("written to {}", folder.display()));
+                return Ok(());
+            }
+            Model::Grasp => {
+                let lines: String = grasp().iter().map(pose_line).collect();
+                let path = folder.join("grasp.jsonl");
+                std::fs::write(&path, lines).map_err(|e| Error::io(&path, e))?;
                 print(format_args!("written to {}", folder.display()));
                 return Ok(());
             }

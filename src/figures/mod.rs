@@ -20,6 +20,7 @@ mod finger_slide;
 mod gallery;
 mod html;
 mod layers;
+mod lift;
 mod measure;
 mod page;
 mod pin_press;
@@ -69,6 +70,7 @@ pub const FIGURES: &[Figure] = &[
     walk::FIGURE,
     finger_slide::FIGURE,
     ragdolls::FIGURE,
+    lift::FIGURE,
     cubature::FIGURE,
     reduced_full::FIGURE,
     table_1::FIGURE,

@@ -18,7 +18,7 @@ mod walk;
 
 pub use body::{SampleBody, body};
 pub use finger::Finger;
-pub use hand::{SampleHand, hand};
+pub use hand::{SampleHand, grasp, hand};
 pub use limb::Limb;
 pub use random::{random_avatar, random_state};
 pub use walk::walk;

@@ -9,7 +9,7 @@ use supple::load::motion::{BvhOptions, PoseParser, Unit, parse_bvh, parse_pose, 
 use supple::math::{Random, rotation_exp, rotation_log};
 use supple::model::UpAxis;
 use supple::motion::{ClipOptions, ClipPlayer, PoseOptions, PosePlayer};
-use supple::sample::walk;
+use supple::sample::{grasp, walk};
 
 /// Two joints with different orders of rotation, a position channel on the inner one, names with spaces,
 /// `Frames:` without a space, Windows line ends.
@@ -136,6 +136,16 @@ fn the_committed_walk_is_the_generator_s() {
     assert!(
         committed == bvh_text(&walk()),
         "write it anew: supple sample walk -o assets/motions"
+    );
+}
+
+#[test]
+fn the_committed_grasp_is_the_generator_s() {
+    let committed = std::fs::read_to_string("assets/motions/grasp.jsonl").unwrap();
+    let lines: String = grasp().iter().map(pose_line).collect();
+    assert!(
+        committed == lines,
+        "write it anew: supple sample grasp -o assets/motions"
     );
 }
 

@@ -14,6 +14,7 @@
 mod anatomy;
 mod bones;
 mod flesh;
+mod grasp;
 mod palmar;
 mod poses;
 mod relief;
@@ -23,6 +24,7 @@ mod skin;
 mod weights;
 
 pub(super) use anatomy::digits;
+pub use grasp::grasp;
 pub(super) use shape::HandShape;
 
 use crate::Result;

@@ -15,7 +15,7 @@ fn along(digits: &[Digit; 5], j: usize) -> DVec3 {
 
 /// Rotation of bone `j` relative to its parent: flexion towards the palm, abduction towards the thumb
 /// side, twist about the bone, degrees.
-fn bend(digits: &[Digit; 5], j: usize, degrees: [f64; 3]) -> DMat3 {
+pub(super) fn bend(digits: &[Digit; 5], j: usize, degrees: [f64; 3]) -> DMat3 {
     let digit = &digits[(j - 1) / 3];
     let along = along(digits, j);
     let flexion_axis = digit.dorsal.cross(along).normalize();
