@@ -135,7 +135,7 @@ mod tests {
         [[colliders]]
         name = "ball"
         shape = { shape = "sphere", radius = 0.03 }
-        motion = { x = [[0.0, 0.1]], z = [[0.0, 0.072], [0.04, 0.066]] }
+        motion = { x = [[0.0, 0.1]], z = [[0.0, 0.072], [0.04, 0.060]] }
         [output]
         panels = [{ time = 0.02, caption = "touch" }]
     "#;
