@@ -14,7 +14,7 @@ pub enum SolverMode {
     /// paper's mode. Its step is taken whole and on trust up to 1 mm; a longer one means that
     /// something unforeseen happened, and is halved until it lowers the energy. One iteration does
     /// not see the contacts that it makes: on the bone press it is 0.03 mm off the converged run
-    /// while pressing and up to 1.4 mm while the sphere slides and leaves (6 mm if every step were
+    /// while pressing and up to 1.9 mm while the sphere slides and leaves (6 mm if every step were
     /// taken whole), where [`SolverMode::TWO_ITERATIONS`] is 0.5 mm off.
     OneIteration,
     /// Newton with a line search until a step is shorter than `tolerance`.
