@@ -100,12 +100,7 @@ fn draw(studio: &Studio) -> Result<Page> {
         "",
         Bound::AtMost(0.0),
     );
-    page.check(
-        "smallest det F",
-        run.report.min_det_f,
-        "",
-        Bound::AtLeast(0.0),
-    );
+    page.check_intact("", &run.report);
     Ok(page)
 }
 

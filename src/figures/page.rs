@@ -1,7 +1,7 @@
 //! What a figure shows and claims.
 
 use super::{Bound, Check, Curves};
-use crate::export::Image;
+use crate::export::{Image, Report};
 use serde::Serialize;
 
 /// A figure's page: what is shown, in order, and what is checked.
@@ -88,6 +88,22 @@ impl Page {
             unit,
             bound,
         });
+    }
+
+    /// Checks what every scene must keep, named with `of` behind: no tet inverted or nearly so, no joint apart.
+    pub fn check_intact(&mut self, of: &str, report: &Report) {
+        self.check(
+            format!("smallest det F{of}"),
+            report.min_det_f,
+            "",
+            Bound::AtLeast(0.05),
+        );
+        self.check(
+            format!("joint gap{of}"),
+            report.max_joint_gap_mm,
+            "mm",
+            Bound::AtMost(1.0),
+        );
     }
 
     /// The checks that fail.

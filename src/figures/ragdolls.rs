@@ -66,20 +66,7 @@ fn draw(studio: &Studio) -> Result<Page> {
             "",
             Bound::AtMost(0.02),
         );
-        let gap = run.report.max_joint_gap_mm;
-        page.check(
-            format!("joint gap of the {name} body"),
-            gap,
-            "mm",
-            Bound::AtMost(1.0),
-        );
-        let det = run.report.min_det_f;
-        page.check(
-            format!("smallest det F of the {name} body"),
-            det,
-            "",
-            Bound::AtLeast(0.0),
-        );
+        page.check_intact(&format!(" of the {name} body"), &run.report);
         energies.push((name, energy));
     }
     let pushed = |swing: &[(f64, f64)]| -> Vec<f64> {

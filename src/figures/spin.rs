@@ -109,18 +109,7 @@ fn draw(studio: &Studio) -> Result<Page> {
         "",
         Bound::AtMost(studio.pick(0.2, 0.05)),
     );
-    page.check(
-        "smallest det F",
-        run.report.min_det_f,
-        "",
-        Bound::AtLeast(0.05),
-    );
-    page.check(
-        "joint gap",
-        run.report.max_joint_gap_mm,
-        "mm",
-        Bound::AtMost(1.0),
-    );
+    page.check_intact("", &run.report);
     Ok(page)
 }
 

@@ -164,18 +164,7 @@ fn walked(studio: &Studio, scene: &Scene, name: &'static str, page: &mut Page) -
         "mm",
         Bound::AtLeast(0.1),
     );
-    check(
-        "joint gap",
-        run.report.max_joint_gap_mm,
-        "mm",
-        Bound::AtMost(1.0),
-    );
-    check(
-        "smallest det F",
-        run.report.min_det_f,
-        "",
-        Bound::AtLeast(0.05),
-    );
+    page.check_intact(&format!(", {name}"), &run.report);
     Ok(())
 }
 
