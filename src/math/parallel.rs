@@ -1,36 +1,37 @@
 //! Loops that use threads where the `threads` feature is on, with results that do not depend on it.
+//!
+//! All of them come down to one recursive halving over [`par_join`], which hands the thread pool two plain
+//! function objects: the pool's own generic code is then compiled once and not for every loop.
 
 /// `out[i] = f(i)` for `i` in `0..count`.
 pub fn par_map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        (0..count).into_par_iter().map(f).collect()
-    }
-    #[cfg(not(feature = "threads"))]
-    {
-        (0..count).map(f).collect()
-    }
+    let mut out: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    par_each(&mut out, 1, |i, slot| *slot = Some(f(i)));
+    out.into_iter().flatten().collect()
 }
 
-/// Calls `f(i, &mut items[i])` for every item; `grain` items at least make a task.
+/// Calls `f(i, &mut items[i])` for every item; about `grain` items at least make a task.
 pub fn par_each<T: Send>(items: &mut [T], grain: usize, f: impl Fn(usize, &mut T) + Sync + Send) {
+    let count = items.len();
+    par_split(
+        count,
+        grain.max(count / (TASKS_A_THREAD * threads())),
+        items,
+        f,
+    );
+}
+
+/// Tasks that a loop of many items is cut into, for each thread: enough to even out what they cost.
+const TASKS_A_THREAD: usize = 8;
+
+fn threads() -> usize {
     #[cfg(feature = "threads")]
     {
-        use rayon::prelude::*;
-        items
-            .par_iter_mut()
-            .with_min_len(grain)
-            .enumerate()
-            .for_each(|(i, item)| f(i, item));
+        rayon::current_num_threads()
     }
     #[cfg(not(feature = "threads"))]
     {
-        let _ = grain;
-        items
-            .iter_mut()
-            .enumerate()
-            .for_each(|(i, item)| f(i, item));
+        1
     }
 }
 
@@ -178,6 +179,16 @@ fn split_range<S: Split>(
 
 /// Runs both, at the same time where there are threads.
 pub fn par_join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
+    let (mut a, mut b) = (Some(a), Some(b));
+    let mut a = || a.take().map_or((), |a| a());
+    let mut b = || b.take().map_or((), |b| b());
+    join(&mut a, &mut b);
+}
+
+/// What the pool is given, once.
+type Task<'a> = &'a mut (dyn FnMut() + Send);
+
+fn join(a: Task<'_>, b: Task<'_>) {
     #[cfg(feature = "threads")]
     rayon::join(a, b);
     #[cfg(not(feature = "threads"))]
@@ -189,19 +200,36 @@ pub fn par_join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
 
 /// Runs `f` on a thread of the pool, so that the parallel loops inside it do not each have to wake it.
 pub fn in_pool<R: Send>(f: impl FnOnce() -> R + Send) -> R {
+    let (mut f, mut result) = (Some(f), None);
+    enter(&mut || result = f.take().map(|f| f()));
+    result.expect("it has run")
+}
+
+fn enter(task: Task<'_>) {
     #[cfg(feature = "threads")]
-    {
-        rayon::scope(|_| f())
-    }
+    rayon::scope(|_| task());
     #[cfg(not(feature = "threads"))]
-    {
-        f()
-    }
+    task();
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn maps_keep_their_order_and_joins_run_both_once() {
+        for count in [0, 1, 7, 10_000] {
+            let squares = in_pool(|| par_map(count, |i| i * i));
+            assert!(squares.iter().enumerate().all(|(i, &x)| x == i * i));
+            let mut items = vec![1; count];
+            par_each(&mut items, 5, |i, item| *item += i);
+            assert!(items.iter().enumerate().all(|(i, &x)| x == i + 1));
+            assert_eq!((squares.len(), items.len()), (count, count));
+        }
+        let (mut a, mut b) = (0, 0);
+        par_join(|| a += 1, || b += 1);
+        assert_eq!((a, b), (1, 1));
+    }
 
     #[test]
     fn every_item_is_visited_once_with_its_own_parts() {

@@ -1,0 +1,129 @@
+//! Baked files: the same bytes for the same input, and typed errors for anything else.
+
+use super::{TINY, baked, recipe};
+use std::path::Path;
+use supple::Error;
+use supple::bake::{
+    BakeCost, BakeReport, HandlePlace, bake, from_bytes, read_avatar, read_baked, to_bytes,
+    write_avatar, write_baked,
+};
+use supple::math::Random;
+use supple::model::Avatar;
+use supple::sample::Limb;
+
+fn tiny() -> (Avatar, BakeReport) {
+    let recipe = recipe(HandlePlace::Skin, 8);
+    bake(&TINY.body().unwrap(), &recipe, &mut |_| {}).unwrap()
+}
+
+#[test]
+fn same_input_same_bytes_whatever_the_threads() {
+    let body = Limb::S.body().unwrap();
+    let recipe = recipe(HandlePlace::Skin, 30);
+    let once = to_bytes(&baked(&body, &recipe), None).unwrap();
+    assert!(once == to_bytes(&baked(&body, &recipe), None).unwrap());
+    #[cfg(feature = "threads")]
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        assert!(once == pool.install(|| to_bytes(&baked(&body, &recipe), None).unwrap()));
+    }
+}
+
+#[test]
+fn a_file_comes_back_as_it_was_written() {
+    let (avatar, mut report) = tiny();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("limb.supple");
+    write_avatar(&avatar, &path).unwrap();
+    assert_eq!(read_baked(&path).unwrap().report, None);
+    write_baked(&avatar, &report, &path).unwrap();
+    assert_eq!(read_avatar(&path).unwrap(), avatar);
+    // The report is kept but for what the bake took.
+    report.cost = BakeCost::default();
+    assert_eq!(read_baked(&path).unwrap().report, Some(report));
+    // Nothing else is left beside it.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let nowhere = folder.path().join("missing").join("limb.supple");
+    assert!(matches!(
+        write_avatar(&avatar, &nowhere),
+        Err(Error::Io { .. })
+    ));
+    assert!(matches!(read_avatar(&nowhere), Err(Error::Io { .. })));
+}
+
+fn problem(bytes: &[u8]) -> String {
+    let error = from_bytes(bytes, Path::new("limb.supple")).unwrap_err();
+    assert!(matches!(error, Error::Format { .. }), "{error:?}");
+    error.to_string()
+}
+
+#[test]
+fn a_file_cut_anywhere_is_an_error() {
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let bytes = to_bytes(&avatar, None).unwrap();
+    for length in 0..bytes.len() {
+        problem(&bytes[..length]);
+    }
+    let longer = [bytes.as_slice(), &[0]].concat();
+    assert!(problem(&longer).contains("payload"));
+    assert_eq!(
+        from_bytes(&bytes, Path::new("limb.supple")).unwrap().avatar,
+        avatar
+    );
+}
+
+#[test]
+fn every_flipped_bit_is_an_error() {
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let bytes = to_bytes(&avatar, None).unwrap();
+    let mut random = Random::new(5);
+    // All of the header, and some of the rest.
+    let header = 0..24 * 8;
+    let rest = (0..300).map(|_| random.index(bytes.len() * 8));
+    for bit in header.chain(rest) {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        problem(&flipped);
+    }
+}
+
+#[test]
+fn a_forged_checksum_does_not_get_nonsense_in() {
+    // Whoever recomputes the checksum of a changed payload gets a typed error or a valid avatar.
+    let (avatar, report) = tiny();
+    let bytes = to_bytes(&avatar, Some(&report)).unwrap();
+    let mut random = Random::new(6);
+    let mut refused = 0;
+    for _ in 0..2000 {
+        let mut forged = bytes.clone();
+        for _ in 0..1 + random.index(4) {
+            let at = 24 + random.index(forged.len() - 24);
+            forged[at] = random.index(256) as u8;
+        }
+        let mut hasher = crc32fast::Hasher::new();
+        hasher.update(&forged[8..12]);
+        hasher.update(&forged[16..]);
+        forged[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
+        match from_bytes(&forged, Path::new("limb.supple")) {
+            Ok(baked) => baked.avatar.validate().unwrap(),
+            Err(Error::Format { .. }) => refused += 1,
+            Err(other) => panic!("{other:?}"),
+        }
+    }
+    assert!(refused > 20, "{refused}");
+}
+
+#[test]
+fn foreign_and_newer_files_are_named() {
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let bytes = to_bytes(&avatar, None).unwrap();
+    assert!(problem(b"glTF\x02\0\0\0 something else altogether").contains("not a baked avatar"));
+    let mut newer = bytes.clone();
+    newer[8] += 1;
+    assert!(problem(&newer).contains("update supple"));
+    newer[8] = 0;
+    assert!(problem(&newer).contains("bake it again"));
+}

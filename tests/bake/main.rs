@@ -1,0 +1,43 @@
+//! Baking: a limb, a finger and a hand from mesh to file.
+
+mod basis;
+mod errors;
+mod file;
+mod interior;
+mod large;
+
+use supple::bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake};
+use supple::model::{Avatar, Body};
+use supple::sample::Limb;
+
+/// A limb small enough for a file of a few kilobytes.
+const TINY: Limb = Limb {
+    length: 0.06,
+    inner_radius: 0.015,
+    outer_radius: 0.04,
+    stations: 3,
+    layers: 2,
+    sectors: 6,
+};
+
+fn recipe(place: HandlePlace, count: usize) -> Recipe {
+    Recipe {
+        handles: vec![HandleRegion {
+            place,
+            count: Some(count),
+            ..Default::default()
+        }],
+        ..Default::default()
+    }
+}
+
+fn untruncated(recipe: Recipe) -> Recipe {
+    Recipe {
+        truncation: Truncation::OFF,
+        ..recipe
+    }
+}
+
+fn baked(body: &Body, recipe: &Recipe) -> Avatar {
+    bake(body, recipe, &mut |_| {}).unwrap().0
+}
