@@ -79,22 +79,14 @@ fn a_body_falls_freely() -> Result<()> {
     Ok(())
 }
 
-/// Linear momentum, spin L = ∫ρ y × ẏ and kinetic energy ½ tr(Ȧ S Ȧᵀ) of a frame that came from `before`.
+/// Linear momentum, spin L = ∫ρ y × ẏ and kinetic energy of a centred frame that came from `before`.
 fn momenta(mass: &BoneMass, before: &Frame, after: &Frame, h: f64) -> (DVec3, DVec3, f64) {
-    let s = &mass.second_moment;
-    let second = DMat3::from_cols_array(&[
-        s[0][0], s[1][0], s[2][0], s[0][1], s[1][1], s[2][1], s[0][2], s[1][2], s[2][2],
-    ]);
-    let velocity = (after.position - before.position) / h;
     let spin = (after.rotation - before.rotation) * h.recip();
-    // Of a centred body: L = Σ_k (R S)_k × Ṙ_k over columns.
-    let moved = after.rotation * second;
+    // L = Σ_k (R S)_k × Ṙ_k over columns.
+    let moved = after.rotation * mass.second();
     let angular = (0..3).map(|k| moved.col(k).cross(spin.col(k))).sum();
-    let turning: f64 = (0..3)
-        .map(|k| (spin * second).col(k).dot(spin.col(k)))
-        .sum();
-    let kinetic = 0.5 * (mass.mass() * velocity.length_squared() + turning);
-    (mass.mass() * velocity, angular, kinetic)
+    let kinetic = mass.kinetic_energy(before, after, h);
+    (mass.momentum(before, after, h), angular, kinetic)
 }
 
 /// A box thrown with a spin about no principal axis: linear momentum stays to the solver's tolerance;

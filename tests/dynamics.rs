@@ -8,7 +8,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::math::rotation_exp;
 use supple::model::{Avatar, Frame, State};
-use supple::reference::Reference;
+use supple::reference::{Reference, mechanics};
 use supple::sample::Limb;
 use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
 use supple::skeleton::{Spring, Tracking};
@@ -53,7 +53,8 @@ fn free_flight_keeps_linear_momentum() -> Result<()> {
         instance.previous = earlier(&instance.state, DVec3::new(0.5, -0.3, 1.0), spin, 0.01);
         let momentum = |simulation: &Simulation<Reference>| {
             let instance = &simulation.instances()[0];
-            support::momentum(&avatar, &instance.previous, &instance.state, 0.01)
+            let (before, after) = (&instance.previous, &instance.state);
+            mechanics(&avatar, before, after, 0.01, DVec3::ZERO).momentum
         };
         let start = momentum(&simulation);
         let mut drift: f64 = 0.0;
@@ -70,6 +71,12 @@ fn free_flight_keeps_linear_momentum() -> Result<()> {
         assert!(drift < bound, "{solver:?}: {drift:e}");
     }
     Ok(())
+}
+
+/// What the potential says of its inertia and gravity is what the states say, to rounding.
+fn agree(potential: f64, states: f64, scale: f64) {
+    let error = (potential - states).abs();
+    assert!(error <= 1e-10 * scale, "{potential} J and {states} J");
 }
 
 #[test]
@@ -108,6 +115,10 @@ fn energy_never_rises() -> Result<()> {
         assert_ne!(report.instances[0].stop, Stop::IterationLimit);
         touched += report.instances[0].contacts;
         let balance = pollster::block_on(simulation.energy_balance())?[0];
+        let instance = &simulation.instances()[0];
+        let of = |before, after| mechanics(&avatar, before, after, 0.01, instance.gravity);
+        let now = of(&instance.previous, &instance.state);
+        let before = of(&instance.previous, &instance.previous);
         let potential = match total {
             None => {
                 start = balance.kinetic;
@@ -116,6 +127,8 @@ fn energy_never_rises() -> Result<()> {
             Some(before) => before + balance.potential_change(),
         };
         total = Some(potential);
+        agree(balance.kinetic, now.kinetic, start);
+        agree(balance.gravity, now.gravity - before.gravity, start);
         highest = f64::max(highest, potential + balance.kinetic);
         kinetic.push(balance.kinetic);
     }

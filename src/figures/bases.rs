@@ -43,6 +43,8 @@ struct Study {
     /// Farther from the touched skin than this, nothing should move, m.
     far: f64,
     look: Look,
+    /// What the press is looked at more closely with.
+    focus: Option<(DVec3, f64)>,
 }
 
 fn draw_hand(studio: &Studio) -> Result<Page> {
@@ -59,6 +61,7 @@ fn draw_hand(studio: &Studio) -> Result<Page> {
             columns: 2,
             draft: studio.small(),
         },
+        focus: None,
         scene,
     };
     compare(studio, &study)
@@ -82,6 +85,8 @@ fn draw_chest(studio: &Studio) -> Result<Page> {
             columns: 2,
             draft: studio.small(),
         },
+        // The chest of the body as the scene places it.
+        focus: studio.pick(None, Some((DVec3::new(0.02, 0.0, 1.22), 0.3))),
         scene,
     };
     compare(studio, &study)
@@ -383,7 +388,11 @@ fn pictures(study: &Study, avatar: &Avatar, outcomes: &[Outcome], page: &mut Pag
     let largest = ColourScale::of(skins[1].values.iter().copied());
     skins.iter_mut().for_each(|s| s.props = colliders(study));
     let title = "unposed displacement (mm)";
-    let image = skin_strip(avatar, &skins, study.look, title, largest);
+    let close = Look {
+        focus: study.focus,
+        ..study.look
+    };
+    let image = skin_strip(avatar, &skins, close, title, largest);
     page.picture("presses", image, "the press in each space");
     // What is far away is a tenth of it at most.
     let scale = ColourScale::up_to(0.1 * largest.high);

@@ -1,8 +1,9 @@
 //! Curves as SVG.
 
+use super::axis::Extent;
 use crate::{Error, Result};
 use plotters::coord::Shift;
-use plotters::coord::combinators::LogCoord;
+use plotters::coord::combinators::{BindKeyPoints, IntoLogRange};
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -103,7 +104,7 @@ impl Curves {
         self
     }
 
-    /// The chart, 720 × 400, on white.
+    /// The chart, on white, 720 × 400 or wider by its legend, which stands beside it.
     ///
     /// # Errors
     /// [`Error::Invalid`] where there is nothing to draw.
@@ -116,40 +117,35 @@ impl Curves {
                 .collect()
         };
         let lines: Vec<Vec<(f64, f64)>> = self.series.iter().map(shown).collect();
-        let range = |pick: fn(&(f64, f64)) -> f64, scale| {
-            let values = lines.iter().flatten().map(pick);
-            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                (l.min(v), h.max(v))
-            });
-            match scale {
-                _ if low > high => None,
-                Scale::Linear => {
-                    let room = if high > low {
-                        0.04 * (high - low)
-                    } else {
-                        0.5 * high.abs().max(1.0)
-                    };
-                    Some((low - room, high + room))
-                }
-                Scale::Logarithmic => Some((low / 1.3, high * 1.3)),
-            }
-        };
-        let (Some(x), Some(y)) = (range(|p| p.0, self.x_scale), range(|p| p.1, self.y_scale))
-        else {
+        let (Some(mut x), Some(mut y)) = (
+            Extent::of(lines.iter().flatten().map(|p| p.0), self.x_scale),
+            Extent::of(lines.iter().flatten().map(|p| p.1), self.y_scale),
+        ) else {
             let problem = "no point of it can be drawn";
             return Err(Error::invalid(format!("curves {:?}", self.title), problem));
         };
+        y.reach_zero();
+        x.widen();
+        y.widen();
         let mut out = String::new();
         let drawn = {
-            let area = SVGBackend::with_string(&mut out, (720, 400)).into_drawing_area();
-            let line = |(low, high): (f64, f64)| RangedCoordf64::from(low..high);
-            let powers = |(low, high): (f64, f64)| LogCoord::from((low..high).log_scale());
+            let size = (FINE * self.width(), FINE * 400);
+            let area = SVGBackend::with_string(&mut out, (size.0 as u32, size.1 as u32))
+                .into_drawing_area();
+            let line = |e: Extent| RangedCoordf64::from(e.low..e.high);
+            let powers = |e: Extent| (e.low..e.high).log_scale().with_key_points(e.marks());
             match (self.x_scale, self.y_scale) {
-                (Scale::Linear, Scale::Linear) => self.draw(&area, line(x), line(y), &lines),
-                (Scale::Linear, Scale::Logarithmic) => self.draw(&area, line(x), powers(y), &lines),
-                (Scale::Logarithmic, Scale::Linear) => self.draw(&area, powers(x), line(y), &lines),
+                (Scale::Linear, Scale::Linear) => {
+                    self.draw(&area, (x, line(x)), (y, line(y)), &lines)
+                }
+                (Scale::Linear, Scale::Logarithmic) => {
+                    self.draw(&area, (x, line(x)), (y, powers(y)), &lines)
+                }
+                (Scale::Logarithmic, Scale::Linear) => {
+                    self.draw(&area, (x, powers(x)), (y, line(y)), &lines)
+                }
                 (Scale::Logarithmic, Scale::Logarithmic) => {
-                    self.draw(&area, powers(x), powers(y), &lines)
+                    self.draw(&area, (x, powers(x)), (y, powers(y)), &lines)
                 }
             }
         };
@@ -157,11 +153,25 @@ impl Curves {
         Ok(out)
     }
 
+    /// How wide the chart is with its legend, where it is 400 high.
+    pub fn width(&self) -> i32 {
+        720 + self.legend_width()
+    }
+
+    /// Room beside the chart for the series' names; one line needs none.
+    fn legend_width(&self) -> i32 {
+        let longest = self.series.iter().map(|s| s.name.chars().count()).max();
+        match longest {
+            Some(letters) if self.series.len() > 1 => 44 + 7 * letters as i32,
+            _ => 0,
+        }
+    }
+
     fn draw<X, Y>(
         &self,
         area: &DrawingArea<SVGBackend<'_>, Shift>,
-        x: X,
-        y: Y,
+        (x_extent, x): (Extent, X),
+        (y_extent, y): (Extent, Y),
         lines: &[Vec<(f64, f64)>],
     ) -> Result<(), String>
     where
@@ -170,11 +180,13 @@ impl Curves {
     {
         let told = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
         area.fill(&WHITE).map_err(told)?;
-        let font = |size: i32| ("sans-serif", size);
-        let mut chart = ChartBuilder::on(area)
-            .margin(12)
-            .x_label_area_size(44)
-            .y_label_area_size(70)
+        let font = |size: i32| ("sans-serif", FINE * size);
+        let stroke = |colour: RGBColor| colour.stroke_width(2 * FINE as u32);
+        let (plot, legend) = area.split_horizontally(FINE * 720);
+        let mut chart = ChartBuilder::on(&plot)
+            .margin(FINE * 12)
+            .x_label_area_size(FINE * 44)
+            .y_label_area_size(FINE * 70)
             .caption(&self.title, font(17))
             .build_cartesian_2d(x, y)
             .map_err(told)?;
@@ -182,48 +194,49 @@ impl Curves {
             .configure_mesh()
             .x_desc(&self.x)
             .y_desc(&self.y)
-            .x_label_formatter(&|v| super::check::number(*v))
-            .y_label_formatter(&|v| super::check::number(*v))
-            .light_line_style(BLACK.mix(0.05))
-            .bold_line_style(BLACK.mix(0.13))
+            .x_label_formatter(&|v| x_extent.label(*v))
+            .y_label_formatter(&|v| y_extent.label(*v))
+            .max_light_lines(0)
+            .bold_line_style(BLACK.mix(0.13).stroke_width(FINE as u32))
+            .axis_style(BLACK.mix(0.6).stroke_width(FINE as u32))
+            .set_all_tick_mark_size(FINE * 5)
             .axis_desc_style(font(14))
             .label_style(font(13))
             .draw()
             .map_err(told)?;
         for (k, (series, points)) in self.series.iter().zip(lines).enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
-            let joined = match series.mark {
-                Mark::Dots => &[][..],
-                _ => &points[..],
-            };
-            let line = LineSeries::new(joined.iter().copied(), colour.stroke_width(2));
-            let of_line = chart.draw_series(line).map_err(told)?.label(&series.name);
-            match series.mark {
-                Mark::Dots => {
-                    of_line.legend(move |(x, y)| Circle::new((x + 9, y), 4, colour.filled()))
-                }
-                _ => of_line.legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2))
-                }),
-            };
+            let (left, middle) = (FINE * 4, FINE * (48 + 20 * k as i32));
+            if series.mark != Mark::Dots {
+                let line = LineSeries::new(points.iter().copied(), stroke(colour));
+                chart.draw_series(line).map_err(told)?;
+            }
             if series.mark != Mark::Line {
-                let dot = |p: &(f64, f64)| Circle::new(*p, 4, colour.filled());
+                let dot = |p: &(f64, f64)| Circle::new(*p, 4 * FINE, colour.filled());
                 chart.draw_series(points.iter().map(dot)).map_err(told)?;
             }
-        }
-        if self.series.len() > 1 {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(BLACK.mix(0.2))
-                .label_font(font(13))
-                .draw()
-                .map_err(told)?;
+            if self.series.len() < 2 {
+                continue;
+            }
+            if series.mark != Mark::Dots {
+                let ends = [(left, middle), (left + FINE * 18, middle)];
+                let line = PathElement::new(ends, stroke(colour));
+                legend.draw(&line).map_err(told)?;
+            }
+            if series.mark != Mark::Line {
+                let dot = Circle::new((left + FINE * 9, middle), 4 * FINE, colour.filled());
+                legend.draw(&dot).map_err(told)?;
+            }
+            let place = (left + FINE * 25, middle - FINE * 7);
+            let name = Text::new(series.name.clone(), place, font(13));
+            legend.draw(&name).map_err(told)?;
         }
         area.present().map_err(told)
     }
 }
+
+/// The backend rounds to whole units: a unit is so many times smaller than a pixel.
+const FINE: i32 = 4;
 
 /// Told apart by everyone (Okabe and Ito 2008).
 const COLOURS: [RGBColor; 7] = [

@@ -286,9 +286,9 @@ fn pictures(
     ];
     let reduced: Vec<(String, &Pressed)> = extensions.into_iter().filter_map(shown).collect();
     let look = Look {
-        direction: DVec3::new(0.35, 1.0, -0.75),
+        direction: DVec3::new(0.3, 1.0, -1.3),
         up: DVec3::Z,
-        focus: Some((DVec3::new(0.1, 0.0, 0.02), 0.062)),
+        focus: Some((DVec3::new(0.1, 0.0, 0.022), 0.062)),
         size: [420, 340],
         columns: 2,
         draft: studio.small(),

@@ -94,7 +94,8 @@ fn section(verdict: &Verdict, page: &Page) -> Result<String> {
                 let told = format!("{}: {} over {}", curves.title, curves.y, curves.x);
                 let _ = writeln!(
                     out,
-                    "<figure class=\"curves\" role=\"img\" aria-label=\"{}\">{}</figure>",
+                    "<figure class=\"curves\" style=\"max-width: {}px\" role=\"img\" aria-label=\"{}\">{}</figure>",
+                    curves.width(),
                     escaped(&told),
                     curves.svg()?
                 );

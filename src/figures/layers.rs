@@ -7,6 +7,7 @@ use crate::export::{Camera, Mesh, Panel, Plane, cut_layer, from_srgb};
 use crate::load::Sample;
 use crate::model::{Avatar, Surface};
 use glam::DVec3;
+use std::collections::BTreeSet;
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {
@@ -25,8 +26,8 @@ struct Cut {
     normal: DVec3,
     view: DVec3,
     up: DVec3,
-    /// Bones are shown whose middle is at most so far on the side that is taken off, m.
-    bones_within: f64,
+    /// Bones are shown whose middle is so far on the side that is taken off, from and to, m.
+    bones_within: [f64; 2],
     /// Ball that fills the picture; everything if not given.
     near: Option<(DVec3, f64)>,
 }
@@ -47,7 +48,7 @@ fn draw(studio: &Studio) -> Result<Page> {
             normal: -DVec3::Y,
             view: DVec3::new(0.3, 1.0, -0.4),
             up: DVec3::Z,
-            bones_within: 0.0,
+            bones_within: [-1.0, 0.0],
             near: None,
         };
         layer(
@@ -101,7 +102,7 @@ fn hand_cuts() -> [Cut; 2] {
             normal: DVec3::Z,
             view: DVec3::new(0.15, 0.3, -1.0),
             up: DVec3::X,
-            bones_within: 0.02,
+            bones_within: [-0.008, 0.02],
             near: None,
         },
         Cut {
@@ -110,8 +111,8 @@ fn hand_cuts() -> [Cut; 2] {
             normal: DVec3::Y,
             view: DVec3::new(-0.1, -1.0, -0.25),
             up: DVec3::Z,
-            bones_within: 0.002,
-            near: Some((DVec3::new(0.13, 0.004, -0.008), 0.055)),
+            bones_within: [-0.01, 0.002],
+            near: Some((DVec3::new(0.135, 0.004, 0.0), 0.062)),
         },
     ]
 }
@@ -124,7 +125,7 @@ fn body_cuts() -> [Cut; 2] {
             normal: DVec3::Z,
             view: DVec3::new(0.25, -0.1, -1.0),
             up: DVec3::Y,
-            bones_within: 0.0,
+            bones_within: [-1.0, 0.0],
             near: None,
         },
         Cut {
@@ -133,7 +134,7 @@ fn body_cuts() -> [Cut; 2] {
             normal: DVec3::Z,
             view: DVec3::new(0.25, -0.1, -1.0),
             up: DVec3::Y,
-            bones_within: 0.0,
+            bones_within: [-1.0, 0.0],
             near: Some((DVec3::new(0.0, 0.95, 0.0), 0.28)),
         },
     ]
@@ -156,10 +157,12 @@ fn layer(
         };
         let mut meshes = vec![cut_layer(&avatar.layer, &plane)];
         let framed = meshes[0].surface.positions.clone();
-        // Bones whose larger part was taken off would hide what is seen.
+        // Bones whose larger part was taken off would hide what is seen, and of buried ones only splinters would be seen.
         let middle = |s: &Surface| s.positions.iter().sum::<DVec3>() / s.positions.len() as f64;
-        let kept =
-            |s: &&Surface| !s.positions.is_empty() && plane.distance(middle(s)) <= cut.bones_within;
+        let [from, to] = cut.bones_within;
+        let kept = |s: &&Surface| {
+            !s.positions.is_empty() && (from..=to).contains(&plane.distance(middle(s)))
+        };
         let shown = bones.iter().filter(kept);
         meshes.extend(shown.map(|s| Mesh::new(s.clone(), from_srgb(BONE))));
         const SIZE: [usize; 2] = [640, 640];
@@ -198,15 +201,7 @@ fn layer(
         triangles: avatar.triangles.clone(),
     };
     if bones.is_empty() {
-        // A shell's outer side is the skin, but for folds that the mesher leaves out.
-        let outer = outer_volume(&avatar);
-        let error = (outer / skin.volume() - 1.0).abs();
-        page.check(
-            format!("{name}: volume inside the shell's outer side, off the skin's"),
-            error,
-            "",
-            Bound::AtMost(1e-3),
-        );
+        shell(&avatar, &skin, page);
     } else {
         let bones: f64 = bones.iter().map(Surface::volume).sum();
         let error = (tissue / (skin.volume() - bones) - 1.0).abs();
@@ -228,14 +223,72 @@ fn tissue_volume(avatar: &Avatar) -> f64 {
         .sum()
 }
 
-/// Volume inside the boundary faces that no bone holds, m³.
-fn outer_volume(avatar: &Avatar) -> f64 {
+/// A shell's outer side is the skin itself, but for triangles whose three columns were too short to be meshed (in
+/// folds and where the skin is thin): the bones hold those, and no tet stands on them. So every outer face is a triangle
+/// of the skin, and what the skin holds is what both parts enclose together, to rounding.
+fn shell(avatar: &Avatar, skin: &Surface, page: &mut Page) {
     let layer = &avatar.layer;
-    let held = |n: &u32| layer.bone_of_node[*n as usize].is_some();
-    let boundary = layer.mesh.boundary_triangles().into_iter();
-    let outer = Surface {
-        positions: layer.mesh.nodes.clone(),
-        triangles: boundary.filter(|face| !face.iter().all(held)).collect(),
+    let node = |v: u32| layer.skin_embedding.row(v as usize).first().map(|n| n.0);
+    let nodes_of = |triangle: &[u32; 3]| -> Option<[u32; 3]> {
+        let [a, b, c] = triangle.map(node);
+        Some(cycled([a?, b?, c?]))
     };
-    outer.volume()
+    let on_skin: BTreeSet<u32> = layer.skin_embedding.entries().iter().map(|e| e.0).collect();
+    let boundary = layer.mesh.boundary_triangles().into_iter().map(cycled);
+    let outer: BTreeSet<[u32; 3]> = boundary
+        .filter(|face| face.iter().all(|n| on_skin.contains(n)))
+        .collect();
+    let (covered, bare): (Vec<[u32; 3]>, Vec<[u32; 3]>) = (skin.triangles.iter())
+        .partition(|t| nodes_of(t).is_some_and(|nodes| outer.contains(&nodes)));
+    let name = &avatar.name;
+    page.check(
+        format!("{name}: outer faces of the shell that are no triangles of the skin"),
+        (outer.len() - covered.len()) as f64,
+        "",
+        Bound::AtMost(0.0),
+    );
+    let held = |v: &u32| node(*v).is_none_or(|n| layer.bone_of_node[n as usize].is_some());
+    let loose = bare.iter().filter(|t| !t.iter().all(held)).count();
+    page.check(
+        format!("{name}: triangles of the skin without tissue that no bone holds"),
+        loose as f64,
+        "",
+        Bound::AtMost(0.0),
+    );
+    let outside = Surface {
+        positions: layer.mesh.nodes.clone(),
+        triangles: outer.into_iter().collect(),
+    };
+    let bare = Surface {
+        positions: skin.positions.clone(),
+        triangles: bare,
+    };
+    let whole = outside.volume() + bare.volume();
+    page.check(
+        format!("{name}: volume inside the shell's outer side and the bare skin, off the skin's"),
+        (whole / skin.volume() - 1.0).abs(),
+        "",
+        Bound::AtMost(1e-12),
+    );
+    let area = |s: &Surface| -> f64 {
+        (0..s.triangles.len())
+            .map(|t| s.area_vector(t).length())
+            .sum()
+    };
+    page.text(format!(
+        "{:.2} % of the {name}'s skin ({} of {} triangles) bears no tissue: there the shell is too thin to be meshed, \
+         and the bones hold the skin.",
+        100.0 * area(&bare) / area(skin),
+        bare.triangles.len(),
+        skin.triangles.len()
+    ));
+}
+
+/// The same face, named from its smallest corner.
+fn cycled([a, b, c]: [u32; 3]) -> [u32; 3] {
+    match a.min(b).min(c) {
+        first if first == a => [a, b, c],
+        first if first == b => [b, c, a],
+        _ => [c, a, b],
+    }
 }

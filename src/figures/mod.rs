@@ -7,6 +7,7 @@
 //!
 //! A new figure is one file here and one line in [`FIGURES`].
 
+mod axis;
 mod bases;
 mod bone_press;
 mod check;

@@ -3,10 +3,12 @@
 use super::press::relative_error;
 use super::{Bound, Curves, Figure, Page, Studio};
 use crate::Result;
-use crate::bake::{HandleRegion, Truncation};
+use crate::bake::{HandlePlace, HandleRegion, Truncation};
 use crate::export::picture_strip;
 use crate::load::Scene;
+use crate::load::scene::Focus;
 use crate::sim::SolverMode;
+use glam::DVec3;
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {
@@ -16,39 +18,79 @@ pub const FIGURE: Figure = Figure {
     draw,
 };
 
-/// A press and how it is played.
+/// A press, and the handles that it is played with.
 struct Press {
     scene: &'static str,
     /// Long steps: each ends near equilibrium, s.
     time_step: f64,
-    /// Handles, rising.
+    /// The tissue about the contact: lowest and highest corner in the reference shape, m.
+    about: [[f64; 3]; 2],
+    /// Handles there, on the skin and under it, rising.
     counts: &'static [usize],
+    /// Handles on the skin everywhere else.
+    elsewhere: usize,
+    /// How the contact is seen through the collider, which is not drawn.
+    view: DVec3,
+    focus: Focus,
 }
 
 const SMALL: &[Press] = &[Press {
     scene: "finger_press",
     time_step: 0.1,
-    counts: &[12, 30, 75],
+    about: [[0.056, -0.012, -0.025], [0.092, 0.012, 0.02]],
+    counts: &[15, 45, 135],
+    elsewhere: 20,
+    view: DVec3::new(0.3, 0.7, 1.0),
+    focus: Focus {
+        point: DVec3::new(0.07, 0.0, -0.01),
+        radius: 0.03,
+    },
 }];
 const FULL: &[Press] = &[
     Press {
         scene: "hand_press",
         time_step: 0.2,
-        counts: &[40, 87, 200],
+        about: [[0.088, -0.07, -0.06], [0.136, 0.05, 0.03]],
+        counts: &[50, 100, 200],
+        elsewhere: 30,
+        view: DVec3::new(0.25, 0.1, 1.0),
+        focus: Focus {
+            point: DVec3::new(0.1, -0.005, -0.03),
+            radius: 0.08,
+        },
     },
     Press {
         scene: "chest_press",
         time_step: 0.2,
-        counts: &[40, 82, 200],
+        about: [[-0.04, 1.15, 0.0], [0.19, 1.38, 0.2]],
+        counts: &[20, 40, 80],
+        elsewhere: 40,
+        view: DVec3::new(-0.3, 1.0, -0.1),
+        focus: Focus {
+            point: DVec3::new(0.03, -0.1, 1.22),
+            radius: 0.26,
+        },
     },
 ];
+
+/// Little is cut off: the default costs accuracy where handles are dense.
+const LITTLE: Truncation = Truncation {
+    enabled: true,
+    below: 0.005,
+    above: 0.02,
+};
+
+/// What a user would take for the full space, %.
+const ACCEPTED: f64 = 25.0;
 
 /// The same press in the full space and in three reduced ones.
 fn draw(studio: &Studio) -> Result<Page> {
     let mut page = Page::new(
-        "The same press with every node of the soft layer free, and with ever fewer handles. All are solved to \
-         convergence in long steps, so that what differs is the space alone. Error is that of the skin's unposed \
-         displacement at full press, relative, L2. The basis is not truncated, but for one line.",
+        "The same press with every node of the soft layer free, and with ever fewer handles: in the tissue about the \
+         contact, on the skin and under it, and a few on the skin everywhere else. A handle basis can only follow what is as \
+         wide as its handles are apart. All are solved to convergence in long steps, so that what differs is the space alone. \
+         Error is that of the skin's unposed displacement at full press, relative, L2. The basis is little truncated, but for \
+         one line.",
     );
     for press in studio.pick(SMALL, FULL) {
         compare(studio, press, &mut page)?;
@@ -67,6 +109,11 @@ fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
     scene.steps = scene.step_at(time);
     scene.output.panels.retain(|panel| panel.time == time);
     scene.output.panels.truncate(1);
+    scene.output.panel_size = [420, 420];
+    for panel in &mut scene.output.panels {
+        (panel.view, panel.focus) = (Some(press.view), Some(press.focus));
+        panel.colliders = false;
+    }
     let own = studio.avatar_of(&scene)?;
     let (full_avatar, full) = studio.play_full_space(&scene, &own)?;
     let truth = &full.snapshots[0].displacement;
@@ -74,26 +121,27 @@ fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
     scene.output.legend_mm = Some(1e3 * longest);
 
     let largest = press.counts[press.counts.len() - 1];
-    let whole = press.counts.iter().map(|&count| (count, Truncation::OFF));
+    let little = press.counts.iter().map(|&count| (count, LITTLE));
     let (mut rows, mut errors, mut shots) = (Vec::new(), Vec::new(), Vec::new());
-    for (count, truncation) in whole.chain([(largest, Truncation::default())]) {
-        let reduced = with_handles(&scene, count, truncation)?;
+    for (count, truncation) in little.chain([(largest, Truncation::default())]) {
+        let reduced = with_handles(&scene, press, count, truncation)?;
         let avatar = studio.avatar_of(&reduced)?;
         let run = studio.play(&reduced, &avatar)?;
         let mut shot = run.snapshots[0].clone();
         let error = relative_error(&shot.displacement, truth);
-        let kept = match truncation.enabled {
-            true => ", truncated",
-            false => "",
+        let kept = match truncation == LITTLE {
+            true => "",
+            false => ", truncated by default",
         };
         rows.push(vec![
-            format!("{count}{kept}"),
+            format!("{count} + {}{kept}", press.elsewhere),
+            avatar.cubature.len().to_string(),
             format!("{:.1} %", 100.0 * error),
             format!("{:.2}", run.report.full_press_displacement_mm),
             format!("{:.2}", run.report.contact_force_n),
             format!("{:.3}", run.report.min_det_f),
         ]);
-        if !truncation.enabled {
+        if truncation == LITTLE {
             errors.push((count as f64, 100.0 * error));
             shot.panel.caption = format!("{count} handles");
             shots.push(shot);
@@ -101,7 +149,8 @@ fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
     }
     let report = &full.report;
     rows.push(vec![
-        format!("full space: {}", report.handles),
+        format!("full space: {} nodes", report.handles),
+        full_avatar.cubature.len().to_string(),
         "0 %".into(),
         format!("{:.2}", report.full_press_displacement_mm),
         format!("{:.2}", report.contact_force_n),
@@ -114,12 +163,15 @@ fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
     page.picture(
         name,
         picture_strip(&scene, &full_avatar, &shots),
-        format!("{name}: skin coloured by its unposed displacement, one scale for all"),
+        format!(
+            "{name}: skin coloured by its unposed displacement, one scale for all; what presses is not drawn"
+        ),
     );
     page.table(
         &format!("{name} at full press"),
         &[
-            "handles",
+            "handles about the contact + elsewhere",
+            "points",
             "error",
             "displacement (mm)",
             "force (N)",
@@ -135,23 +187,44 @@ fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
             ),
             pair[1].1 / pair[0].1,
             "",
-            Bound::AtMost(0.98),
+            Bound::AtMost(0.9),
         );
     }
-    page.curves(Curves::new(name, "handles", "error (%)").dots("whole basis", errors));
+    if let Some((count, error)) = errors.last() {
+        page.check(
+            format!("{name}: error with {count} handles"),
+            *error,
+            "%",
+            Bound::AtMost(ACCEPTED),
+        );
+    }
+    let title = format!("{name}: error against the full space");
+    let curves = Curves::new(&title, "handles about the contact", "error (%)");
+    page.curves(curves.dots("error", errors));
     Ok(())
 }
 
-/// `scene` with an avatar of so many handles, where its own recipe has its first ones.
-fn with_handles(scene: &Scene, count: usize, truncation: Truncation) -> Result<Scene> {
+/// `scene` with an avatar of so many handles about the contact.
+fn with_handles(
+    scene: &Scene,
+    press: &Press,
+    count: usize,
+    truncation: Truncation,
+) -> Result<Scene> {
     let mut scene = scene.clone();
     let (_, mut recipe) = scene.avatar.body()?;
-    let region = recipe.handles.first().cloned().unwrap_or_default();
-    recipe.handles = vec![HandleRegion {
-        count: Some(count),
-        spacing: None,
-        ..region
-    }];
+    recipe.handles = vec![
+        HandleRegion {
+            place: HandlePlace::Volume,
+            within: Some(press.about),
+            count: Some(count),
+            ..HandleRegion::default()
+        },
+        HandleRegion {
+            count: Some(press.elsewhere),
+            ..HandleRegion::default()
+        },
+    ];
     recipe.truncation = truncation;
     scene.avatar.bake = Some(recipe);
     Ok(scene)

@@ -1,7 +1,7 @@
 //! Mass and second moments of a rigid bone or body.
 
-use super::Surface;
-use glam::DVec3;
+use super::{Frame, Surface};
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// Second moments of a rigid bone about its joint.
@@ -69,10 +69,42 @@ impl BoneMass {
         (s[3][3], DVec3::new(s[0][3], s[1][3], s[2][3]))
     }
 
+    /// ∫ ρ y yᵀ dV with y = X − J, kg m².
+    pub fn second(&self) -> DMat3 {
+        let s = &self.second_moment;
+        let column = |j: usize| DVec3::new(s[0][j], s[1][j], s[2][j]);
+        DMat3::from_cols(column(0), column(1), column(2))
+    }
+
+    /// Linear momentum of the matter on its way from one frame to the other, kg m/s: m ċ + Ṙ s, s the first moment.
+    pub fn momentum(&self, before: &Frame, after: &Frame, time_step: f64) -> DVec3 {
+        let (mass, first) = self.moments();
+        let (turn, way) = change(before, after);
+        (turn * first + mass * way) / time_step
+    }
+
+    /// Kinetic energy of the matter on its way from one frame to the other, J: ½ tr(Ȧ S Ȧᵀ) with A = \[R | c\].
+    pub fn kinetic_energy(&self, before: &Frame, after: &Frame, time_step: f64) -> f64 {
+        let (mass, first) = self.moments();
+        let (turn, way) = change(before, after);
+        let turned = turn * self.second();
+        let turning: f64 = (0..3).map(|k| turned.col(k).dot(turn.col(k))).sum();
+        let moving = 2.0 * way.dot(turn * first) + mass * way.length_squared();
+        0.5 * (turning + moving) / (time_step * time_step)
+    }
+
     /// The same matter `factor` times as dense.
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             second_moment: self.second_moment.map(|row| row.map(|s| factor * s)),
         }
     }
+}
+
+/// ΔR and Δc.
+fn change(before: &Frame, after: &Frame) -> (DMat3, DVec3) {
+    (
+        after.rotation - before.rotation,
+        after.position - before.position,
+    )
 }

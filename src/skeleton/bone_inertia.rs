@@ -32,13 +32,12 @@ impl BoneInertia {
         current: &Frame,
         time_step: f64,
     ) -> Self {
-        let s = &mass.second_moment;
-        let column = |j: usize| DVec3::new(s[0][j], s[1][j], s[2][j]);
+        let (second, (total, first)) = (mass.second(), mass.moments());
         Self {
             bone,
-            second: DMat3::from_cols(column(0), column(1), column(2)),
-            first: column(3),
-            mass: s[3][3],
+            second,
+            first,
+            mass: total,
             inverse_square_step: 1.0 / (time_step * time_step),
             current: *current,
             increment: (

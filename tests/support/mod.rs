@@ -212,19 +212,3 @@ pub fn largest_distance(a: &[DVec3], b: &[DVec3]) -> f64 {
         .map(|(a, b)| (*a - *b).length())
         .fold(0.0, f64::max)
 }
-
-/// Linear momentum of what moves from `previous` to `state` in `time_step`, kg m/s.
-pub fn momentum(avatar: &Avatar, previous: &State, state: &State, time_step: f64) -> DVec3 {
-    let [before, after] = [previous, state].map(|q| posed(avatar, &avatar.cubature, q));
-    let tissue: DVec3 = (before.iter().zip(&after).zip(&avatar.cubature.measure))
-        .map(|((a, b), w)| avatar.density * *w * (*b - *a))
-        .sum();
-    let bones: DVec3 = (previous.frames.iter().zip(&state.frames))
-        .zip(&avatar.bone_masses)
-        .map(|((a, b), mass)| {
-            let (mass, first) = mass.moments();
-            (b.rotation - a.rotation) * first + mass * (b.position - a.position)
-        })
-        .sum();
-    (tissue + bones) / time_step
-}
