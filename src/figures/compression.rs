@@ -1,14 +1,13 @@
 //! Tissue pressed to 40 % of its thickness, of several materials; and what they answer to being pulled.
 
+use super::measure::volume_ratios;
 use super::{Bound, Curves, Figure, Page, Studio, uniaxial};
 use crate::Result;
 use crate::bake::{HandleRegion, Recipe, bake};
 use crate::export::{Camera, ColourScale, Image, Legend, Mesh, Panel, SceneRun, from_srgb};
 use crate::load::Scene;
 use crate::material::{Material, Orthotropic};
-use crate::math::par_map;
 use crate::model::{Avatar, State, Surface};
-use crate::reference::elasticity::displacement_gradient;
 use crate::sample::Limb;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -188,7 +187,7 @@ fn picture(
         let ways = row.iter().map(|&(h, u)| u * state.handles[h as usize]);
         *x + ways.sum::<DVec3>()
     };
-    let volumes = volumes(avatar, state);
+    let volumes = volume_ratios(avatar, state);
     let mut sums = vec![(0.0, 0.0); layer.mesh.nodes.len()];
     for (tet, volume) in layer.mesh.tets.iter().zip(volumes) {
         for &n in tet {
@@ -215,15 +214,6 @@ fn picture(
     studio.picture(&[tissue, plate], camera, [980, 700])
 }
 
-/// det F of each tet.
-fn volumes(avatar: &Avatar, state: &State) -> Vec<f64> {
-    let points = &avatar.cubature;
-    par_map(points.len(), |i| {
-        let h = displacement_gradient(points.basis.row(i), &state.handles);
-        (DMat3::IDENTITY + h).determinant()
-    })
-}
-
 /// The recorded state at `time`.
 fn state_at<'a>(scene: &Scene, run: &'a SceneRun, time: f64) -> &'a State {
     let states = &run.recording.states;
@@ -242,7 +232,7 @@ fn volume_change(limb: &Limb, avatar: &Avatar, state: &State, compression: f64) 
     let column = |radius: f64, y: f64| (radius * radius - y * y).sqrt();
     let plate = limb.outer_radius - compression * (limb.outer_radius - limb.inner_radius);
     let (mut sums, mut all) = ([0.0; 3], 0.0);
-    for (i, volume) in volumes(avatar, state).into_iter().enumerate() {
+    for (i, volume) in volume_ratios(avatar, state).into_iter().enumerate() {
         let (place, measure) = (points.position[i], points.measure[i]);
         if place.z < 0.0 || place.y.abs() > 0.5 * limb.inner_radius {
             continue;

@@ -1,10 +1,11 @@
 //! What several figures measure.
 
 use crate::export::skin_displacement;
-use crate::math::NearestPoint;
+use crate::math::{NearestPoint, par_map};
 use crate::model::{Avatar, State};
 use crate::reference::displacement::blended_rotation;
-use glam::DVec3;
+use crate::reference::elasticity::displacement_gradient;
+use glam::{DMat3, DVec3};
 
 /// B U φ at each skin vertex, m: what the tissue adds to the skinned shape in the world.
 pub(super) fn world_displacement(avatar: &Avatar, state: &State) -> Vec<DVec3> {
@@ -12,6 +13,15 @@ pub(super) fn world_displacement(avatar: &Avatar, state: &State) -> Vec<DVec3> {
     rows.zip(skin_displacement(avatar, state))
         .map(|(row, d)| blended_rotation(row, &state.frames) * d)
         .collect()
+}
+
+/// det F at each cubature point; of each tet where all of them are points.
+pub(super) fn volume_ratios(avatar: &Avatar, state: &State) -> Vec<f64> {
+    let points = &avatar.cubature;
+    par_map(points.len(), |i| {
+        let h = displacement_gradient(points.basis.row(i), &state.handles);
+        (DMat3::IDENTITY + h).determinant()
+    })
 }
 
 /// Depth of the tissue under each skin vertex, m: how far the nearest node is that a bone holds.
