@@ -26,12 +26,9 @@ fn compact(
 ) {
     let state = batch[chunk.first + group.y];
     let first = first_distance(state.slot, 0u, state.colliders);
-    let pairs = constants.points * state.colliders;
-    let run = (pairs + 255u) / 256u;
-    let begin = min(lane * run, pairs);
-    let end = min(begin + run, pairs);
+    let run = run_of(lane, 256u, constants.points * state.colliders);
     var count = 0u;
-    for (var pair = begin; pair < end; pair++) {
+    for (var pair = run.begin; pair < run.end; pair++) {
         count += u32(distances[first + pair].w > 0.0);
     }
     var at = exclusive_sum(lane, 256u, count);
@@ -42,7 +39,7 @@ fn compact(
         contacts[contact_header(group.y)].carrier =
             min(found, constants.contacts) + 2u * rubbing;
     }
-    for (var pair = begin; pair < end; pair++) {
+    for (var pair = run.begin; pair < run.end; pair++) {
         let d = distances[first + pair];
         if (d.w > 0.0) {
             if (at < constants.contacts) {
@@ -141,18 +138,16 @@ fn block_contacts_of(
     let rows = contacts[contact_header(group.y)].carrier;
     let block = group.x;
     let list = (group.y * constants.blocks + block) * (row_room() + 1u);
-    let run = (rows + 63u) / 64u;
-    let begin = min(lane * run, rows);
-    let end = min(begin + run, rows);
+    let run = run_of(lane, 64u, rows);
     var count = 0u;
-    for (var k = begin; k < end; k++) {
+    for (var k = run.begin; k < run.end; k++) {
         count += u32(place_of(block, contacts[contact_header(group.y) + 1u + k]) > 0u);
     }
     var at = exclusive_sum(lane, 64u, count);
     if (lane == 63u) {
         block_contacts[list] = at + count;
     }
-    for (var k = begin; k < end; k++) {
+    for (var k = run.begin; k < run.end; k++) {
         let place = place_of(block, contacts[contact_header(group.y) + 1u + k]);
         if (place > 0u) {
             at++;

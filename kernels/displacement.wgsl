@@ -1,7 +1,4 @@
-// d_i = x_i(q) − x_i(q_base) from increments only, never from two world positions:
-//   T_base = x̄ + Σ U φ_base,  ΔT = Σ U Δφ,  d = Σ_j w_j ( ΔR_j (T_base − J_j) + R_j ΔT + Δc_j )
-// with T = T_base + ΔT and B = Σ_j w_j R_j for the stages that follow.
-// One thread a cubature point.
+// d_i, T and B of every cubature point. One thread a point.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -20,27 +17,7 @@ fn displacement(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let state = batch[chunk.first + id.y];
-    let point = points[i];
-
-    var t_base = unposed[state.instance * constants.points + i];
-    var t_increment = vec3<f32>();
-    let first_handle = point.first_influence + point.bones;
-    for (var k = 0u; k < point.handles; k++) {
-        let u = influences[first_handle + k];
-        let phi = handles[state.slot * constants.handles + u.index];
-        t_base += u.weight * phi.displacement;
-        t_increment += u.weight * phi.increment;
-    }
-
-    var d = vec3<f32>();
-    var blended = mat3x3<f32>();
-    for (var k = 0u; k < point.bones; k++) {
-        let w = influences[point.first_influence + k];
-        let f = state.slot * constants.bones + w.index;
-        let rotation = frames[f].rotation;
-        d += w.weight * (frames[f].rotation_increment * (t_base - frames[f].joint)
-            + rotation * t_increment + frames[f].position_increment);
-        blended += w.weight * rotation;
-    }
-    motion[state.slot * constants.points + i] = Motion(d, t_base + t_increment, blended);
+    let rest = unposed[state.instance * constants.points + i];
+    motion[state.slot * constants.points + i] = motion_since_base(
+        points[i], rest, state.slot * constants.handles, state.slot * constants.bones);
 }

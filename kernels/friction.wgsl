@@ -16,8 +16,14 @@
 @group(0) @binding(10) var<storage, read_write> lagged: array<Lagged>;
 @group(0) @binding(11) var<storage, read_write> slips: array<vec4<f32>>;
 
+// Whether a vertex and a collider, one pair of `distances`, touch and rub.
+fn rubs(pair: u32, collider: u32) -> bool {
+    return colliders[collider].friction > 0.0 && distances[pair].w > 0.0;
+}
+
 // Lists what touches a rough collider at qⁿ, with λ = k a δ |∇d| and n along ∇d in world axes; where ∇d
-// vanishes (between samples of a distance) nothing rubs. `distances` and `colliders` are those of tⁿ. One workgroup a state; each thread takes a run of vertex–collider pairs.
+// vanishes (between samples of a distance) nothing rubs. `distances` and `colliders` are those of tⁿ. One
+// workgroup a state; each thread takes a run of vertex–collider pairs.
 @compute @workgroup_size(256)
 fn lag(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -26,41 +32,40 @@ fn lag(
     let state = batch[chunk.first + group.y];
     let first = first_distance(state.slot, 0u, state.colliders);
     let first_collider = state.instance * constants.colliders;
-    let pairs = constants.points * state.colliders;
-    let run = (pairs + 255u) / 256u;
-    let begin = min(lane * run, pairs);
-    let end = min(begin + run, pairs);
+    let run = run_of(lane, 256u, constants.points * state.colliders);
     var count = 0u;
-    for (var pair = begin; pair < end; pair++) {
-        let rough = colliders[first_collider + pair % state.colliders].friction > 0.0;
-        count += u32(rough && distances[first + pair].w > 0.0);
+    for (var pair = run.begin; pair < run.end; pair++) {
+        count += u32(rubs(first + pair, first_collider + pair % state.colliders));
     }
     var at = exclusive_sum(lane, 256u, count);
     let header = lagged_header(state.instance);
     if (lane == 255u) {
         lagged[header].vertex = at + count;
     }
-    for (var pair = begin; pair < end; pair++) {
-        let d = distances[first + pair];
+    for (var pair = run.begin; pair < run.end; pair++) {
         let index = pair % state.colliders;
-        let collider = colliders[first_collider + index];
-        if (collider.friction > 0.0 && d.w > 0.0) {
+        if (rubs(first + pair, first_collider + index)) {
             if (at < constants.contacts) {
                 let vertex = pair / state.colliders;
-                var slope = length(d.xyz);
-                var n = vec3(0.0, 0.0, 1.0);
-                if (slope > 1e-18) {
-                    n = d.xyz / slope;
-                } else {
-                    slope = 0.0;
-                }
-                let force = collider.stiffness * points[vertex].measure * d.w * slope;
-                lagged[header + 1u + at] = Lagged(vec3(0.0), collider.friction * force, n,
-                    vertex, vec3(0.0), collider.carrier, index);
+                lagged[header + 1u + at] = started(
+                    distances[first + pair], vertex, index, colliders[first_collider + index]);
             }
             at++;
         }
     }
+}
+
+// A contact (∇d, δ) of qⁿ, without what `anchor` adds.
+fn started(d: vec4<f32>, vertex: u32, index: u32, collider: Collider) -> Lagged {
+    var slope = length(d.xyz);
+    var n = vec3(0.0, 0.0, 1.0);
+    if (slope > 1e-18) {
+        n = d.xyz / slope;
+    } else {
+        slope = 0.0;
+    }
+    let force = collider.stiffness * points[vertex].measure * d.w * slope;
+    return Lagged(vec3(0.0), collider.friction * force, n, vertex, vec3(0.0), collider.carrier, index);
 }
 
 // Into the frame that the collider is fixed to: a, n and u at qⁿ. One thread a lagged contact.
@@ -100,23 +105,10 @@ fn slip(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let contact = lagged[header + 1u + id.x];
-    let point = points[contact.vertex];
-    var t_base = unposed[state.instance * constants.points + contact.vertex];
-    var t_increment = vec3<f32>();
-    let first_handle = point.first_influence + point.bones;
-    for (var k = 0u; k < point.handles; k++) {
-        let u = influences[first_handle + k];
-        let phi = handles[state.slot * constants.handles + u.index];
-        t_base += u.weight * phi.displacement;
-        t_increment += u.weight * phi.increment;
-    }
-    var u = vec3<f32>();
-    for (var k = 0u; k < point.bones; k++) {
-        let w = influences[point.first_influence + k];
-        let f = state.slot * constants.bones + w.index;
-        u += w.weight * (frames[f].rotation_increment * (t_base - frames[f].joint)
-            + frames[f].rotation * t_increment + frames[f].position_increment);
-    }
+    let rest = unposed[state.instance * constants.points + contact.vertex];
+    let moved = motion_since_base(points[contact.vertex], rest,
+        state.slot * constants.handles, state.slot * constants.bones);
+    var u = moved.displacement;
     if (contact.carrier > 0u) {
         let f = state.slot * constants.bones + contact.carrier - 1u;
         u -= frames[f].rotation_increment * contact.anchor + frames[f].position_increment;

@@ -1,12 +1,13 @@
-//! The GPU plays every committed scene as the CPU does: from a state in the thick of it, step by step.
-#![cfg(feature = "gpu")]
+//! The GPU plays every committed scene as the CPU does: from a state in the thick of it, step by step. A scene's
+//! test is called like the scene.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
+use std::sync::LazyLock;
 use supple::export::Driver;
+use supple::figures::{Size, Studio};
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::load::{Scene, load_avatar, read_scene};
+use supple::load::Scene;
 use supple::model::Avatar;
 use supple::potential::Potential;
 use supple::reference::Reference;
@@ -22,12 +23,18 @@ const ALONE: usize = 170;
 /// Steps that both make.
 const TOGETHER: usize = 30;
 
-fn scenes() -> Vec<PathBuf> {
-    let entries = std::fs::read_dir("assets/scenes").unwrap();
-    let mut paths: Vec<_> = entries.map(|e| e.unwrap().path()).collect();
-    paths.sort();
-    paths
-}
+/// One for all: what a scene bakes, the others have.
+static STUDIO: LazyLock<Studio> = LazyLock::new(|| {
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bakes");
+    Studio::new(Size::Small, "assets/scenes", cache, |_| {})
+});
+
+static GPU: LazyLock<GpuDevice> = LazyLock::new(|| {
+    pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
+        "GPU tests need an adapter and never skip: install a Vulkan driver, for example the package \
+         mesa-vulkan-drivers",
+    )
+});
 
 /// One avatar that `potential` evaluates, driven by the scene.
 struct Player<P: Potential> {
@@ -65,55 +72,72 @@ impl<P: Potential> Player<P> {
     }
 }
 
-#[test]
-fn gpu_and_cpu_agree_on_every_scene() {
-    let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
-        "GPU tests need an adapter and never skip: install a Vulkan driver, for example the package \
-         mesa-vulkan-drivers",
-    );
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bakes");
-    let mut failures = Vec::new();
-    for path in scenes() {
-        let scene = read_scene(&path).unwrap();
-        let mut avatar = load_avatar(&scene.avatar, &cache, &mut |_, _| {}).unwrap();
-        scene.dress(&mut avatar).unwrap();
-        let avatar = Arc::new(avatar);
-        let colliders = scene.collider_count();
-        let reference = Reference::new(avatar.clone(), 1, avatar.skin.len() * colliders).unwrap();
-        let mut cpu = Player::new(&scene, &avatar, reference);
-        let options = GpuOptions {
-            colliders: colliders.max(1),
-            ..GpuOptions::default()
-        };
-        let (device, queue) = (&gpu.device, &gpu.queue);
-        let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options).unwrap();
-        let mut gpu = Player::new(&scene, &avatar, potential);
+fn agree(name: &str) {
+    let scene = STUDIO.scene(name).unwrap();
+    let avatar = STUDIO.avatar_of(&scene).unwrap();
+    let colliders = scene.collider_count();
+    let reference = Reference::new(avatar.clone(), 1, avatar.skin.len() * colliders).unwrap();
+    let mut cpu = Player::new(&scene, &avatar, reference);
+    let options = GpuOptions {
+        colliders: colliders.max(1),
+        ..GpuOptions::default()
+    };
+    let (device, queue) = (&GPU.device, &GPU.queue);
+    let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options).unwrap();
+    let mut gpu = Player::new(&scene, &avatar, potential);
 
-        let press = scene.step_at(scene.measure.full_press);
-        let alone = press.saturating_sub(TOGETHER / 2).min(ALONE);
-        for step in 1..=alone {
-            cpu.step(step);
-        }
-        let joined = cpu.simulation.instances()[0].clone();
-        gpu.simulation.instances_mut()[0] = joined;
-        let (mut worst, mut contacts): (f64, usize) = (0.0, 0);
-        for step in alone + 1..=alone + TOGETHER {
-            contacts = contacts.max(cpu.step(step));
-            gpu.step(step);
-            let (a, b) = (cpu.skin(), gpu.skin());
-            let apart = a.iter().zip(&b).map(|(a, b)| a.distance(*b));
-            worst = apart.fold(worst, f64::max);
-        }
-        println!(
-            "{}: {worst:.1e} m apart at most in steps {} to {}, {contacts} contacts",
-            scene.name,
-            alone + 1,
-            alone + TOGETHER
-        );
-        // Two backends that agree in every bit are one.
-        if !(worst > 0.0 && worst < TOLERANCE) {
-            failures.push(format!("{}: {worst:e} m", scene.name));
-        }
+    let press = scene.step_at(scene.measure.full_press);
+    let alone = press.saturating_sub(TOGETHER / 2).min(ALONE);
+    for step in 1..=alone {
+        cpu.step(step);
     }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    let joined = cpu.simulation.instances()[0].clone();
+    gpu.simulation.instances_mut()[0] = joined;
+    let (mut worst, mut contacts): (f64, usize) = (0.0, 0);
+    for step in alone + 1..=alone + TOGETHER {
+        contacts = contacts.max(cpu.step(step));
+        gpu.step(step);
+        let (a, b) = (cpu.skin(), gpu.skin());
+        let apart = a.iter().zip(&b).map(|(a, b)| a.distance(*b));
+        worst = apart.fold(worst, f64::max);
+    }
+    let last = alone + TOGETHER;
+    println!("{worst:.1e} m apart at most until step {last}, {contacts} contacts");
+    // Two backends that agree in every bit are one.
+    assert!(worst > 0.0 && worst < TOLERANCE, "{worst:e} m");
 }
+
+/// A test for each scene, and one that none is forgotten.
+macro_rules! scenes {
+    ($($name:ident),* $(,)?) => {
+        $(
+            #[test]
+            fn $name() {
+                agree(stringify!($name));
+            }
+        )*
+
+        #[test]
+        fn every_scene_is_tested() {
+            assert_eq!(STUDIO.scenes().unwrap(), [$(stringify!($name)),*]);
+        }
+    };
+}
+
+scenes![
+    body_spin,
+    body_walk,
+    bone_press_m,
+    bone_press_m_82,
+    bone_press_s,
+    chest_press,
+    compression,
+    finger_press,
+    finger_slide,
+    hand_press,
+    lift,
+    limb_cylinders,
+    palm_cylinders,
+    posed_contact,
+    ragdolls,
+];

@@ -128,6 +128,27 @@ fn a_scene_needs_a_name_steps_and_an_avatar_only() {
     assert_eq!(times, [0.0, scene.duration()]);
 }
 
+#[test]
+fn text_alone_has_no_meshes() {
+    let ball = "shape = \"sphere\", radius = 0.03";
+    let text = good().replacen(ball, "shape = \"mesh\", file = \"cubes.obj\"", 1);
+    let error = parse(&text).unwrap_err().to_string();
+    for hint in [
+        "scene.toml",
+        "colliders[0].shape",
+        "cubes.obj",
+        "read_scene",
+    ] {
+        assert!(error.contains(hint), "{error:?} lacks {hint:?}");
+    }
+    let body =
+        "\n[[bodies]]\nname = \"cubes\"\nshape = { shape = \"mesh\", file = \"cubes.obj\" }\n";
+    let error = parse(&(good() + body)).unwrap_err().to_string();
+    for hint in ["scene.toml", "bodies[0]", "cubes.obj", "read_scene"] {
+        assert!(error.contains(hint), "{error:?} lacks {hint:?}");
+    }
+}
+
 /// A mesh lies beside the scene; its objects are one solid, and what is wrong with it is named.
 #[test]
 fn a_scene_reads_its_mesh() {

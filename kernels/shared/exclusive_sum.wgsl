@@ -1,3 +1,17 @@
+// A workgroup lists items in order: each lane takes a run of them and counts what belongs on the list; the
+// exclusive sum of the counts is where its part of the list begins.
+
+struct Run {
+    begin: u32,
+    end: u32,
+}
+
+// The run of `items` that a lane of `width` takes.
+fn run_of(lane: u32, width: u32, items: u32) -> Run {
+    let length = (items + width - 1u) / width;
+    return Run(min(lane * length, items), min((lane + 1u) * length, items));
+}
+
 var<workgroup> counts: array<u32, 256>;
 
 // The sum of the counts of lower lanes; `counts` ends as the inclusive sums.

@@ -102,11 +102,13 @@ pub fn bake(
     drop(columns);
 
     clock.start(3);
+    let layer_tissue = local_tissue(body, &field, &node_skinning, &recipe.stiffness)?;
     let cubature = if recipe.cubature.all_tets {
         Cubature::all_tets(tissue)
     } else {
         let count = recipe.points_for(handles.positions.len());
-        Cubature::sampled(tissue, recipe.cubature.method, count, &basis)?
+        let stiffness: Vec<f64> = layer_tissue.iter().map(|t| t.stiffness).collect();
+        Cubature::sampled(tissue, recipe.cubature.method, count, &basis, &stiffness)?
     };
 
     clock.start(4);
@@ -128,8 +130,6 @@ pub fn bake(
     };
     let attached = followed(body);
     let (skin, triangles) = with_attachments(body, skin, &attached);
-
-    let layer_tissue = local_tissue(body, &field, &node_skinning, &recipe.stiffness)?;
 
     clock.start(5);
     let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);

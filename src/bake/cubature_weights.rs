@@ -4,7 +4,7 @@ use super::cubature::Tissue;
 use crate::math::{DenseFactor, Rows};
 
 /// Moments that weights should keep, Σ_i w_i g_{k,i} = target_k: first the tissue's first moment and volume, which
-/// are kept to rounding, then each handle's ∫ |∇U_h|², which gives way where too few points see the handle.
+/// are kept to rounding, then each handle's ∫ s |∇U_h|², which gives way where too few points see the handle.
 #[derive(Debug)]
 pub(super) struct Moments {
     /// (k, g) of each point, k rising.
@@ -23,7 +23,8 @@ const SLACK: f64 = 0.01;
 const MOST_ITERATIONS: usize = 50;
 
 impl Moments {
-    /// Those of `tissue`, for points in `tets`; `slopes` is (handle, |∇U_h|²) of each tet of the mesh.
+    /// Those of `tissue`, for points in `tets`; `slopes` is (handle, s |∇U_h|²) of each tet of the mesh, s
+    /// the factor on the stiffness.
     pub fn of(tissue: Tissue<'_>, tets: &[u32], slopes: &Rows<(u32, f64)>) -> Self {
         let mesh = tissue.mesh;
         let handles = (slopes.entries().iter()).map(|s| s.0 as usize + 1).max();
@@ -35,7 +36,7 @@ impl Moments {
                 square[handle as usize] += volume * slope * slope;
             }
         }
-        // s = |∇U_h|²: in units of ∫ s² / ∫ s every handle's g is about 1 where the handle is.
+        // With g = s |∇U_h|²: in units of ∫ g² / ∫ g every handle's moment is about 1 where the handle is.
         let unit: Vec<f64> = sum.iter().zip(&square).map(|(s, q)| q / s).collect();
         let (volume, first) = tissue.moments();
         let (mean, size) = (first / volume, volume.cbrt());
@@ -78,7 +79,7 @@ impl Moments {
         errors
     }
 
-    /// Root mean square over the handles of the relative error of ∫ |∇U_h|².
+    /// Root mean square over the handles of the relative error of ∫ s |∇U_h|².
     pub fn stiffness_error(&self, weights: &[f64]) -> f64 {
         let errors = self.errors(weights).into_iter().zip(&self.target);
         let squares: Vec<f64> = (errors.skip(EXACT))

@@ -2,8 +2,12 @@
 //!
 //! At the nodes of a grid around the mesh d is exact; between them it is trilinear, which misses a smooth
 //! d by at most ⅛ Σ s_k² |∂²d/∂x_k²| with spacings s (a ball of radius r: s²/(4 r)), and rounds edges and
-//! corners off within a cell. n is the exact gradient of that interpolant, so that forces have an energy;
-//! its length is 1 up to the same error. Beyond the grid d grows with the distance from it.
+//! corners off within a cell. Beyond the grid d grows with the distance from it.
+//!
+//! n is the exact gradient of that interpolant and no unit vector: its length is 1 up to the same error. Contact
+//! needs the gradient, since E = ½ k a (d̂ − d)₊² pushes with −∂E/∂x = k a (d̂ − d)₊ ∇d, whatever ∇d's length; made a
+//! unit vector it would be the gradient of no energy. Only friction needs a plane: it takes ∇d/|∇d|, and λ is
+//! the length of the push ([`crate::reference::compact::lag`]). Both twins do the same.
 
 use super::SignedDistance;
 use crate::math::par_map;
@@ -79,7 +83,11 @@ impl MeshShape {
     /// [`Error::Invalid`] of a file that was not read: [`crate::load::read_scene`] reads it.
     pub fn grid(&self) -> Result<&Arc<DistanceGrid>> {
         self.grid.as_ref().ok_or_else(|| {
-            let problem = format!("{} was not read; read_scene does", self.file.display());
+            let problem = format!(
+                "{} was not read: load::read_scene reads a scene's meshes, load::parse_scene opens no file, and \
+                 MeshShape::new takes a surface",
+                self.file.display()
+            );
             Error::invalid("collider.shape.file", problem)
         })
     }

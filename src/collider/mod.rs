@@ -57,7 +57,8 @@ pub enum Shape {
 pub struct SignedDistance {
     /// d, m: negative inside.
     pub distance: f64,
-    /// ∇d: the outward unit normal (of a mesh, unit up to its grid's error). Where d has a crease (an axis, a medial plane) one side's is taken.
+    /// ∇d, exactly: the outward unit normal, but of a mesh, whose d is interpolated, unit up to its grid's error. Where d
+    /// has a crease (an axis, a medial plane) one side's is taken.
     pub normal: DVec3,
 }
 

@@ -8,6 +8,7 @@ use crate::gpu::Kernel;
 pub(super) const INCLUDES: &[&str] = &[
     "shared/batch.wgsl",
     "shared/kinematics.wgsl",
+    "shared/point_motion.wgsl",
     "displacement.wgsl",
 ];
 

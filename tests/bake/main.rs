@@ -1,6 +1,7 @@
 //! Baking: a limb, a finger and a hand from mesh to file.
 
 mod basis;
+mod cubature;
 mod errors;
 mod file;
 mod interior;

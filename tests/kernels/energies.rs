@@ -1,7 +1,8 @@
 //! The energy kernel: from the step's start, as an evaluation has it, and from any base, as a trial has it.
 
 use super::bound::{Comparison, Outcome, abs};
-use super::contacts::{distances, slid, smoothing};
+use super::contact::distances;
+use super::friction::{slid, smoothing};
 use super::material::Magnitudes;
 use super::points::mat9;
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, vec};

@@ -1,8 +1,10 @@
 //! Every kernel against its f64 twin, from the very numbers that the kernel read.
 
 pub mod bound;
-pub mod contacts;
+pub mod compact;
+pub mod contact;
 pub mod energies;
+pub mod friction;
 pub mod input;
 pub mod material;
 pub mod points;
@@ -20,9 +22,9 @@ pub const CHECKS: &[Check] = &[
     ("pose_blend", points::pose_blend),
     ("displacement", points::displacement),
     ("elasticity", points::elasticity),
-    ("contact", contacts::contact),
-    ("friction", contacts::friction),
-    ("compact", contacts::compact),
+    ("contact", contact::contact),
+    ("friction", friction::friction),
+    ("compact", compact::compact),
     ("gradient", sums::gradient),
     ("point_hessian", sums::point_hessian),
     ("hessian", sums::hessian),

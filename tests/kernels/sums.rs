@@ -2,7 +2,7 @@
 
 use super::INSTANCE;
 use super::bound::{Comparison, Outcome, abs, abs_cross, abs_skew};
-use super::contacts::{listed, places, rows, vertex_blocks};
+use super::compact::{listed, places, rows, vertex_blocks};
 use super::points::{mat9, minus_joints};
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, vec};
 use supple::glam::{DMat3, DVec3};

@@ -33,7 +33,10 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Reads a scene from `text`; `path` names it in errors. See [`read_scene`], which alone reads the files of meshes.
+/// Reads a scene from `text`; `path` names it in errors. It opens no file: paths stay as they are written.
+///
+/// # Errors
+/// As [`read_scene`], and [`Error::Format`] of a collider or body that is a mesh: its file must be read.
 pub fn parse_scene(text: &str, path: &Path) -> Result<Scene> {
     let scene = unchecked(text, path)?;
     scene.validate().map_err(|e| of_file(e, path))?;
