@@ -32,11 +32,6 @@ pub trait Basis: Copy + Send + Sync {
         m * self.value()
     }
 
-    /// Nᵀ M N_other.
-    fn congruent(&self, m: DMat3, other: &Self) -> DMat3 {
-        self.value().transpose() * m * other.value()
-    }
-
     /// (∂N/∂X) φ: the handle's part of F.
     fn deformation(&self, phi: DVec3) -> DMat3 {
         let [x, y, z] = self.gradient();
@@ -59,6 +54,18 @@ pub trait Basis: Copy + Send + Sync {
     fn contract(&self, stiffness: &[DMat3; 3]) -> DMat3 {
         let g = self.gradient();
         (0..3).map(|l| stiffness[l] * g[l]).sum()
+    }
+
+    /// Nᵀ_own M, N/m, by which every block (own, other) of a point starts.
+    fn before(&self, m: DMat3) -> DMat3 {
+        self.value().transpose() * m
+    }
+
+    /// A point's block (own, this) by columns: `metric` N + S : ∂N/∂X with `metric` the other's [`Basis::before`] and S its
+    /// [`Basis::stiffness`].
+    #[inline]
+    fn block(&self, metric: DMat3, stiffness: &[DMat3; 3]) -> [f64; 9] {
+        (metric * self.value() + self.contract(stiffness)).to_cols_array()
     }
 }
 
@@ -100,11 +107,6 @@ impl Basis for BasisEntry {
     }
 
     #[inline]
-    fn congruent(&self, m: DMat3, other: &Self) -> DMat3 {
-        m * (self.value * other.value)
-    }
-
-    #[inline]
     fn deformation(&self, phi: DVec3) -> DMat3 {
         let g = self.gradient;
         DMat3::from_cols(phi * g.x, phi * g.y, phi * g.z)
@@ -128,6 +130,20 @@ impl Basis for BasisEntry {
             };
             DMat3::from_cols(column(0), column(1), column(2))
         })
+    }
+
+    #[inline]
+    fn before(&self, m: DMat3) -> DMat3 {
+        m * self.value
+    }
+
+    /// Nine equal sums: they go into vector registers.
+    #[inline]
+    fn block(&self, metric: DMat3, stiffness: &[DMat3; 3]) -> [f64; 9] {
+        let (u, g) = (self.value, self.gradient);
+        let m = metric.to_cols_array();
+        let [x, y, z] = [0, 1, 2].map(|l| stiffness[l].to_cols_array());
+        std::array::from_fn(|k| u * m[k] + g.x * x[k] + g.y * y[k] + g.z * z[k])
     }
 
     #[inline]

@@ -24,7 +24,7 @@ pub fn gather_points<'a, B: Basis + 'a>(
         *force += gradient(&view, local);
         let targets = incidence.targets(i, local);
         hessian_row(&view, local, |b, block| {
-            add(&mut out[targets[b] as usize], block)
+            add(&mut out[targets[b] as usize], &block)
         });
     }
 }
@@ -40,14 +40,13 @@ pub fn gather_blocks<'a>(
         let (i, local) = (i as usize, local as usize);
         let stored = &blocks(i)[local * (local + 1) / 2..];
         for (&target, &block) in incidence.targets(i, local).iter().zip(stored) {
-            add(&mut out[target as usize], block);
+            add(&mut out[target as usize], &block.to_cols_array());
         }
     }
 }
 
 #[inline]
-fn add(sum: &mut [f64; 9], block: DMat3) {
-    let block = block.to_cols_array();
+fn add(sum: &mut [f64; 9], block: &[f64; 9]) {
     for k in 0..9 {
         sum[k] += block[k];
     }
@@ -114,7 +113,7 @@ pub fn gather_contacts(
         let scaled = own * contact.stiffness;
         let mut add_column = |target: usize, other: DVec3| {
             let block = DMat3::from_cols(scaled * other.x, scaled * other.y, scaled * other.z);
-            add(&mut out[target], block);
+            add(&mut out[target], &block.to_cols_array());
         };
         let blocks = skin.blocks(vertex);
         if local < blocks.len() {

@@ -43,12 +43,12 @@ pub struct PointView<'a, B> {
     pub tangent: &'a Mat9,
 }
 
-/// Hands the blocks (`local`, b) for b = 0..=`local` to `each`, in order.
+/// Hands the blocks (`local`, b) for b = 0..=`local` to `each`, in order, each column by column.
 #[inline]
 pub fn hessian_row<B: Basis>(
     point: &PointView<'_, B>,
     local: usize,
-    mut each: impl FnMut(usize, DMat3),
+    mut each: impl FnMut(usize, [f64; 9]),
 ) {
     let frames = 2 * point.skinning.len();
     if local >= frames {
@@ -67,7 +67,7 @@ pub fn hessian_row<B: Basis>(
         } else {
             DMat3::from_diagonal(DVec3::splat(inertia * weight * w.weight))
         };
-        each(2 * k, translation);
+        each(2 * k, translation.to_cols_array());
         if 2 * k + 1 > local {
             break;
         }
@@ -79,16 +79,16 @@ pub fn hessian_row<B: Basis>(
         } else {
             skew(other * (-inertia * weight))
         };
-        each(2 * k + 1, rotation);
+        each(2 * k + 1, rotation.to_cols_array());
     }
 }
 
 #[inline]
-fn handle_row<B: Basis>(point: &PointView<'_, B>, h: usize, mut each: impl FnMut(usize, DMat3)) {
+fn handle_row<B: Basis>(point: &PointView<'_, B>, h: usize, mut each: impl FnMut(usize, [f64; 9])) {
     let own = &point.basis[h];
     let x = own.after(point.terms.blended).transpose();
     for (k, (w, a)) in point.skinning.iter().zip(point.arms).enumerate() {
-        each(2 * k, x * w.weight);
+        each(2 * k, (x * w.weight).to_cols_array());
         // −X [a]×
         each(
             2 * k + 1,
@@ -96,14 +96,15 @@ fn handle_row<B: Basis>(point: &PointView<'_, B>, h: usize, mut each: impl FnMut
                 x.z_axis * a.y - x.y_axis * a.z,
                 x.x_axis * a.z - x.z_axis * a.x,
                 x.y_axis * a.x - x.x_axis * a.y,
-            ),
+            )
+            .to_cols_array(),
         );
     }
     let first = 2 * point.skinning.len();
     let stiffness = own.stiffness(point.tangent);
+    let metric = own.before(point.terms.metric);
     for (k, other) in point.basis[..=h].iter().enumerate() {
-        let inertia = own.congruent(point.terms.metric, other);
-        each(first + k, inertia + other.contract(&stiffness));
+        each(first + k, other.block(metric, &stiffness));
     }
 }
 
@@ -111,6 +112,8 @@ fn handle_row<B: Basis>(point: &PointView<'_, B>, h: usize, mut each: impl FnMut
 pub fn point_hessian<B: Basis>(point: &PointView<'_, B>, out: &mut [DMat3]) {
     let count = 2 * point.skinning.len() + point.basis.len();
     for a in 0..count {
-        hessian_row(point, a, |b, block| out[a * (a + 1) / 2 + b] = block);
+        hessian_row(point, a, |b, block| {
+            out[a * (a + 1) / 2 + b] = DMat3::from_cols_array(&block);
+        });
     }
 }
