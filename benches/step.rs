@@ -1,28 +1,33 @@
-//! A whole step of the sample hand, pressed on its cylinder: the f64 evaluation, and a GPU (a software
-//! adapter where there is no other), at 700 and 2,000 cubature points; and its full space.
+//! A whole step under full press. The sample hand, pressed on its cylinder: the f64 evaluation, and a GPU (a software
+//! adapter where there is no other), at 700 and 2,000 cubature points; and its full space. The sample body and the
+//! bone press: the f64 evaluation.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::sync::Arc;
 use supple::bake::bake;
 use supple::export::Driver;
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::load::read_scene;
+use supple::load::{Scene, read_scene};
 use supple::model::Avatar;
 use supple::potential::Potential;
 use supple::reference::Reference;
 use supple::sim::{Simulation, full_space};
 use supple::stage::{GpuOptions, GpuPotential};
 
-/// Runs the demo scene in `hurry` times fewer steps until the hand is fully pressed, then times steps there.
+fn scene(name: &str) -> Scene {
+    read_scene(format!("assets/scenes/{name}.toml")).expect("a committed scene")
+}
+
+/// Runs `scene` in `hurry` times fewer steps until full press, then times steps there.
 fn pressed(
     criterion: &mut Criterion,
     name: &str,
+    scene: &Scene,
     avatar: &Avatar,
     mut simulation: Simulation<impl Potential>,
     hurry: f64,
 ) -> supple::Result<()> {
-    let scene = read_scene("assets/scenes/hand_press.toml")?;
-    let mut driver = Driver::new(&scene, avatar)?;
+    let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
     let mut contacts = 0;
     for step in 1..=scene.step_at(scene.measure.full_press / hurry) {
@@ -30,16 +35,35 @@ fn pressed(
         driver.drive(time, &mut simulation.instances_mut()[0])?;
         contacts = simulation.step_blocking()?.instances[0].contacts;
     }
-    assert!(contacts > 0, "the hand must be in contact");
+    assert!(contacts > 0, "it must be in contact");
     let name = format!("{name}, {} contacts", contacts);
     criterion.bench_function(&name, |b| b.iter(|| simulation.step_blocking()));
     Ok(())
 }
 
+/// The f64 evaluation alone.
+fn on_cpu(criterion: &mut Criterion, name: &str, points: Option<usize>) -> supple::Result<()> {
+    let scene = scene(name);
+    let (body, mut recipe) = scene.avatar.body()?;
+    recipe.cubature.points = points.or(recipe.cubature.points);
+    let avatar = Arc::new(bake(&body, &recipe, &mut |_| {})?.0);
+    let cpu = Reference::new(avatar.clone(), 1, avatar.skin.len())?;
+    let cpu = Simulation::new(&avatar, cpu, scene.settings)?;
+    let name = format!("step/cpu/{name}, {} points", avatar.cubature.len());
+    pressed(criterion, &name, &scene, &avatar, cpu, 4.0)
+}
+
 fn bench(criterion: &mut Criterion) {
+    for (scene, points) in [
+        ("chest_press", Some(500)),
+        ("chest_press", Some(1400)),
+        ("bone_press_m_82", None),
+    ] {
+        on_cpu(criterion, scene, points).expect("a press");
+    }
     let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))
         .expect("an adapter");
-    let scene = read_scene("assets/scenes/hand_press.toml").expect("the demo scene");
+    let scene = scene("hand_press");
     let (body, mut recipe) = scene.avatar.body().expect("the sample hand");
     for points in [700, 2000] {
         recipe.cubature.points = Some(points);
@@ -47,7 +71,7 @@ fn bench(criterion: &mut Criterion) {
         let cpu = Reference::new(avatar.clone(), 1, 2048).expect("the f64 evaluation");
         let cpu = Simulation::new(&avatar, cpu, scene.settings).expect("a simulation");
         let name = format!("step/cpu/{points} points");
-        pressed(criterion, &name, &avatar, cpu, 4.0).expect("a press");
+        pressed(criterion, &name, &scene, &avatar, cpu, 4.0).expect("a press");
         let kernels = GpuPotential::new(
             &gpu.device,
             &gpu.queue,
@@ -58,12 +82,13 @@ fn bench(criterion: &mut Criterion) {
         .expect("kernels");
         let name = format!("step/{}/{points} points", gpu.adapter.name);
         let kernels = Simulation::new(&avatar, kernels, scene.settings).expect("a simulation");
-        pressed(criterion, &name, &avatar, kernels, 4.0).expect("a press");
+        pressed(criterion, &name, &scene, &avatar, kernels, 4.0).expect("a press");
     }
     // Seconds a step: fewer of them, and a hastier press.
     let avatar = bake(&body, &recipe, &mut |_| {}).expect("a bake").0;
     let (full, simulation) = full_space(&avatar, 1, 2048, scene.settings).expect("the full space");
-    pressed(criterion, "step/cpu/full space", &full, simulation, 20.0).expect("a press");
+    let name = "step/cpu/full space";
+    pressed(criterion, name, &scene, &full, simulation, 20.0).expect("a press");
 }
 
 criterion_group! {

@@ -1,7 +1,7 @@
 //! What all instances share and no step changes.
 
 use super::normals::vertex_triangles;
-use super::{Basis, Incidence, points::Points};
+use super::{Basis, Incidence, points::Points, pose_columns::PoseColumns};
 use crate::Result;
 use crate::math::Rows;
 use crate::model::{Avatar, Space};
@@ -15,8 +15,10 @@ pub(super) struct Asset<B> {
     pub pattern: BlockPattern,
     pub cubature: Points<B>,
     pub cubature_incidence: Incidence,
+    pub cubature_columns: PoseColumns,
     pub skin: Points<B>,
     pub skin_incidence: Incidence,
+    pub skin_columns: PoseColumns,
     /// Blocks of a skin vertex at most, and the two of a carrier.
     pub lever_stride: usize,
     /// Frames that may carry colliders.
@@ -43,6 +45,8 @@ impl<B: Basis> Asset<B> {
         Ok(Self {
             cubature_incidence: cubature.incidence(&pattern),
             skin_incidence: skin.incidence(&pattern),
+            cubature_columns: PoseColumns::new(&avatar.cubature.pose_blend, cubature.len()),
+            skin_columns: PoseColumns::new(&avatar.skin.pose_blend, skin.len()),
             lever_stride: 2 * skin.skinning.longest() + skin.basis.longest() + 2,
             carriers,
             vertex_triangles: vertex_triangles(skin.len(), &avatar.triangles),

@@ -31,7 +31,7 @@ impl<B: Basis> Reference<B> {
         motion.set(&step.current, state, step.origin);
         let mut dense = Dense::new(asset.space.dofs());
 
-        for (i, start) in step.points.iter().enumerate() {
+        for (i, start) in step.starts.points.iter().enumerate() {
             let weight = avatar.cubature.measure[i];
             let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
             let change = unposed_displacement(basis, &motion.handle_changes);

@@ -64,7 +64,7 @@ fn point_difference<B: Basis>(
     let avatar = &*asset.avatar;
     let joints = &avatar.skeleton.joints;
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
-    let (start, weight) = (&step.points[i], avatar.cubature.measure[i]);
+    let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
     let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
 
     let t_base = unposed_displacement(basis, &to_base.handle_changes);

@@ -2,7 +2,7 @@
 
 use super::asset::Asset;
 use super::step::VERTEX_GRAIN;
-use super::{Basis, normals::normal, pose_blend::pose_blend, skin::skin};
+use super::{Basis, normals::normal, skin::skin};
 use crate::math::{Strided, par_each, par_split};
 use crate::model::{State, pose_feature_into};
 use glam::DVec3;
@@ -40,7 +40,7 @@ impl Drawn {
         );
         par_split(chunks, 1, parts, |chunk, (rest, out)| {
             let first = chunk * VERTEX_GRAIN;
-            pose_blend(&points.position, &points.pose_blend, feature, first, rest);
+            (asset.skin_columns).blend(&points.position, feature, first, rest);
             for ((v, x), rest) in (first..).zip(out).zip(&*rest) {
                 *x = skin(
                     asset.skin.skinning.row(v),

@@ -3,20 +3,19 @@
 
 use super::asset::Asset;
 use super::contact::{ContactRow, carrier_levers, contact_point, skin_levers};
-use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::drawn::Drawn;
+use super::evaluate_points::evaluate_points;
 use super::friction::{self, Slip};
 use super::geometric::{Vertex, add_geometric};
-use super::gradient::point_force;
 use super::hessian::{ContactRows, gather_contacts, gather_points};
 use super::point_hessian::{PointTerms, PointView};
-use super::step::{POINT_GRAIN, Step, Touching};
-use super::{Basis, Motion, compact::compact, elasticity, energy};
-use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_split};
+use super::step::{Step, Touching};
+use super::{Basis, Motion, compact::compact, energy};
+use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_join, par_split};
 use crate::model::State;
 use crate::potential::{Energies, Evaluation, EvaluationTimings, StepStart};
 use crate::{Error, Result};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Block rows and contacts of one task.
 const ROW_GRAIN: usize = 2;
@@ -86,13 +85,22 @@ impl Instance {
         let watch = Stopwatch::start();
         let step = &self.step;
         self.motion.set(&step.current, state, step.origin);
-        step.contact(asset, &self.motion, &mut self.touching);
+        let motion = &self.motion;
+        let points = (
+            &mut self.terms[..],
+            &mut self.energies[..],
+            RowsMut::new(asset.cubature.skinning.offsets(), &mut self.arms),
+            &mut self.tangents[..],
+        );
+        par_join(
+            || step.contact(asset, motion, &mut self.touching),
+            || evaluate_points(asset, step, motion, points),
+        );
         let areas = &asset.avatar.skin.measure;
         let (candidates, colliders) = (&self.touching.candidates, &step.colliders);
         let capacity = asset.contact_capacity;
         out.contacts = compact(candidates, areas, colliders, capacity, &mut self.contacts);
         self.evaluate_slips(asset);
-        self.evaluate_points(asset);
         self.evaluate_levers(asset);
         self.timings.force += watch.ms();
         let watch = Stopwatch::start();
@@ -133,21 +141,6 @@ impl Instance {
             });
         }
         Ok(())
-    }
-
-    /// Displacement, elasticity and energies of every cubature point.
-    fn evaluate_points<B: Basis>(&mut self, asset: &Asset<B>) {
-        let (step, motion) = (&self.step, &self.motion);
-        let parts = (
-            &mut self.terms[..],
-            &mut self.energies[..],
-            RowsMut::new(asset.cubature.skinning.offsets(), &mut self.arms),
-            &mut self.tangents[..],
-        );
-        par_split(asset.cubature.len(), POINT_GRAIN, parts, |i, parts| {
-            let (terms, energies, arms, tangent) = parts;
-            (*terms, *energies) = evaluate_point(asset, step, motion, i, arms, tangent);
-        });
     }
 
     /// The slip of every lagged contact, and its rows behind the normals'.
@@ -253,59 +246,4 @@ impl Instance {
             );
         });
     }
-}
-
-/// Stages displacement, elasticity and energy at cubature point `i`, with qⁿ as the base.
-fn evaluate_point<B: Basis>(
-    asset: &Asset<B>,
-    step: &Step,
-    motion: &Motion,
-    i: usize,
-    point_arms: &mut [DVec3],
-    tangent: &mut Mat9,
-) -> (PointTerms, Energies) {
-    let avatar = &*asset.avatar;
-    let (tissue, joints) = (avatar.tissue_at(i), &avatar.skeleton.joints);
-    let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
-    let (start, weight) = (&step.points[i], avatar.cubature.measure[i]);
-    let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
-    let changes = &motion.handle_changes;
-
-    let change = unposed_displacement(basis, changes);
-    let d = displacement(skinning, joints, &motion.motions, start.unposed, change);
-    arms(
-        skinning,
-        joints,
-        &motion.frames,
-        start.unposed + change,
-        point_arms,
-    );
-    let blended = blended_rotation(skinning, &motion.frames);
-    let force = point_force(mass, h, d, start.predicted, gravity);
-
-    let f_start = start.deformation_gradient;
-    let f_change = elasticity::displacement_gradient(basis, changes);
-    let damping = step.damping(i, f_change);
-    let stress = elasticity::stress(tissue, f_start + f_change, damping);
-    *tangent = elasticity::tangent(tissue, f_start + f_change, damping, weight);
-
-    let inertia = mass / (h * h);
-    let terms = PointTerms {
-        inertia,
-        force,
-        pulled_force: blended.transpose() * force,
-        stress: stress * weight,
-        blended: blended * inertia,
-        metric: blended.transpose() * blended * inertia,
-    };
-    let energies = Energies {
-        inertia: energy::inertia(mass, h, d, -start.predicted),
-        gravity: energy::gravity(mass, gravity, d),
-        elastic: energy::elastic(tissue, weight, f_start, f_change),
-        damping: damping.map_or(0.0, |d| {
-            energy::damping(weight, d.rate, d.tangent, f_change, DMat3::ZERO)
-        }),
-        ..Energies::default()
-    };
-    (terms, energies)
 }

@@ -15,6 +15,7 @@ mod drawn;
 pub mod elasticity;
 pub mod energy;
 mod evaluate;
+mod evaluate_points;
 mod exact;
 pub mod friction;
 pub mod geometric;
@@ -26,8 +27,10 @@ mod min_det_f;
 mod motion;
 pub mod normals;
 pub mod point_hessian;
+mod point_start;
 mod points;
 pub mod pose_blend;
+mod pose_columns;
 pub mod skin;
 mod step;
 

@@ -5,30 +5,19 @@ use super::compact::lag;
 use super::contact::{Candidate, contact, contact_point, may_touch};
 use super::displacement::{FrameMotion, displacement, unposed_displacement};
 use super::drawn::Drawn;
-use super::elasticity::{Damping, displacement_gradient};
+use super::elasticity::Damping;
 use super::friction::{Lagged, Slip, carried};
-use super::pose_blend::pose_blend;
+use super::point_start::PointStarts;
 use super::{Basis, Motion, energy};
 use crate::collider::Collider;
-use crate::math::{Mat9, Strided, par_each, par_join, par_split};
-use crate::model::{Frame, PointSet, State, pose_feature_into};
+use crate::math::{Strided, par_join, par_split};
+use crate::model::{Frame, State, pose_feature_into};
 use crate::potential::StepStart;
 use glam::{DMat3, DVec3};
 
-/// Points and vertices of one task: some ten microseconds of work.
+/// Points and vertices of one task: some ten microseconds of work; a multiple of [`super::pose_columns::GROUP`].
 pub(super) const POINT_GRAIN: usize = 16;
 pub(super) const VERTEX_GRAIN: usize = 128;
-
-/// What stays constant at a cubature point through a step.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PointStart {
-    /// T at qⁿ, m.
-    pub unposed: DVec3,
-    /// ŷ = h vⁿ, m: the displacement over the previous step, with this step's x̄.
-    pub predicted: DVec3,
-    /// Fⁿ.
-    pub deformation_gradient: DMat3,
-}
 
 /// The colliders in one state, and every skin vertex against each of them.
 #[derive(Default)]
@@ -59,11 +48,8 @@ pub(super) struct Step {
     pub geometric: bool,
     /// qⁿ.
     pub current: State,
-    pub points: Vec<PointStart>,
-    /// Cⁿ of each point, Pa; empty without damping.
-    pub damping_tangents: Vec<Mat9>,
-    /// x̄ of cubature points and skin vertices.
-    pub rest: Vec<DVec3>,
+    pub starts: PointStarts,
+    /// x̄ of the skin, m.
     pub skin_rest: Vec<DVec3>,
     /// Σ ½ k a δ² at qⁿ, J.
     pub contact_energy: f64,
@@ -72,8 +58,6 @@ pub(super) struct Step {
 impl Step {
     /// Memory for steps of `asset`.
     pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
-        let points = asset.cubature.len();
-        let damped = asset.avatar.damping_time > 0.0;
         Self {
             time_step: 0.0,
             origin: DVec3::ZERO,
@@ -85,9 +69,7 @@ impl Step {
             smoothing: 0.0,
             geometric: false,
             current: asset.avatar.rest_state(),
-            points: vec![PointStart::default(); points],
-            damping_tangents: vec![[[0.0; 9]; 9]; if damped { points } else { 0 }],
-            rest: vec![DVec3::ZERO; points],
+            starts: PointStarts::new(asset),
             skin_rest: vec![DVec3::ZERO; asset.skin.len()],
             contact_energy: 0.0,
         }
@@ -121,16 +103,36 @@ impl Step {
         self.current.clone_from(start.current);
 
         pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);
-        let feature = &*feature;
-        par_join(
-            || blend(&avatar.cubature, feature, &mut self.rest),
-            || match drawn.rest_of(feature) {
-                Some(rest) => self.skin_rest.copy_from_slice(rest),
-                None => blend(&avatar.skin, feature, &mut self.skin_rest),
-            },
-        );
         motion.set(start.previous, start.current, self.origin);
-        self.start_points(asset, &start.previous.handles, motion);
+        let (feature, motion) = (&*feature, &*motion);
+        let mut starts = std::mem::take(&mut self.starts);
+        par_join(
+            || starts.begin(asset, feature, &start.previous.handles, motion),
+            || self.begin_skin(asset, feature, motion, touching, drawn),
+        );
+        self.starts = starts;
+    }
+
+    /// x̄ of the skin and its contacts at qⁿ.
+    fn begin_skin<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        feature: &[f64],
+        motion: &Motion,
+        touching: &mut Touching,
+        drawn: &Drawn,
+    ) {
+        match drawn.rest_of(feature) {
+            Some(rest) => self.skin_rest.copy_from_slice(rest),
+            None => {
+                let (columns, position) = (&asset.skin_columns, &asset.avatar.skin.position);
+                let chunks = position.len().div_ceil(VERTEX_GRAIN);
+                let parts = Strided::new(VERTEX_GRAIN, &mut self.skin_rest);
+                par_split(chunks, 1, parts, |chunk, out| {
+                    columns.blend(position, feature, chunk * VERTEX_GRAIN, out);
+                });
+            }
+        }
         self.lag_contacts(asset, motion, touching);
         self.contact(asset, motion, touching);
         self.contact_energy = self.sum_contact_energy(asset, &touching.candidates);
@@ -177,35 +179,9 @@ impl Step {
         self.lagged = lagged;
     }
 
-    fn start_points<B: Basis>(&mut self, asset: &Asset<B>, previous: &[DVec3], motion: &Motion) {
-        let rest = &self.rest;
-        par_each(&mut self.points, 4 * POINT_GRAIN, |i, point| {
-            let basis = asset.cubature.basis.row(i);
-            let base = rest[i] + unposed_displacement(basis, previous);
-            let change = unposed_displacement(basis, &motion.handle_changes);
-            *point = PointStart {
-                unposed: base + change,
-                predicted: displacement(
-                    asset.cubature.skinning.row(i),
-                    &asset.avatar.skeleton.joints,
-                    &motion.motions,
-                    base,
-                    change,
-                ),
-                deformation_gradient: DMat3::IDENTITY
-                    + displacement_gradient(basis, &motion.handles),
-            };
-        });
-        let points = &self.points;
-        par_each(&mut self.damping_tangents, POINT_GRAIN, |i, tangent| {
-            let f = points[i].deformation_gradient;
-            *tangent = asset.avatar.tissue_at(i).projected_tangent(f);
-        });
-    }
-
     /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
     pub fn damping(&self, i: usize, change: DMat3) -> Option<Damping<'_>> {
-        let tangent = self.damping_tangents.get(i)?;
+        let tangent = self.starts.damping_tangents.get(i)?;
         Some(Damping {
             rate: self.damping_rate,
             tangent,
@@ -313,14 +289,4 @@ impl Step {
         }
         sum
     }
-}
-
-/// x̄ of a set of points.
-fn blend(points: &PointSet, feature: &[f64], out: &mut [DVec3]) {
-    let chunks = out.len().div_ceil(VERTEX_GRAIN);
-    let parts = Strided::new(VERTEX_GRAIN, out);
-    par_split(chunks, 1, parts, |k, out| {
-        let first = k * VERTEX_GRAIN;
-        pose_blend(&points.position, &points.pose_blend, feature, first, out);
-    });
 }
