@@ -53,20 +53,27 @@ pub(super) fn multiply_add(
     out: &mut [f64],
 ) {
     out.copy_from_slice(y);
-    for (block, (row, column)) in hessian.iter().zip(pattern.blocks()) {
-        let (r, c) = (3 * row, 3 * column);
-        for j in 0..3 {
-            for i in 0..3 {
-                out[r + i] += block[3 * j + i] * x[c + j];
-            }
-        }
-        if row != column {
+    let columns = pattern.columns();
+    let three = |values: &[f64], block: usize| [0, 1, 2].map(|i| values[3 * block + i]);
+    for row in 0..columns.len() {
+        let (x_row, mut sum) = (three(x, row), three(out, row));
+        for (&column, block) in columns.row(row).iter().zip(&hessian[columns.range(row)]) {
+            let (column, x_column) = (column as usize, three(x, column as usize));
             for j in 0..3 {
                 for i in 0..3 {
-                    out[c + j] += block[3 * j + i] * x[r + i];
+                    sum[i] += block[3 * j + i] * x_column[j];
+                }
+            }
+            if row != column {
+                let out = &mut out[3 * column..3 * column + 3];
+                for j in 0..3 {
+                    for i in 0..3 {
+                        out[j] += block[3 * j + i] * x_row[i];
+                    }
                 }
             }
         }
+        out[3 * row..3 * row + 3].copy_from_slice(&sum);
     }
 }
 
