@@ -27,6 +27,9 @@ const DEPTHS: [f64; 4] = [0.003, 0.006, 0.009, 0.012];
 /// N, of the converged full-space solution on mesh S at 6, 9 and 12 mm.
 const PUBLISHED_FORCES: [f64; 3] = [4.3, 9.1, 15.9];
 
+/// The benchmark's coefficient where time is taken.
+const FRICTION: f64 = 0.5;
+
 /// Other engines on this benchmark, on four shared CPU cores, as published with it.
 const OTHERS: [[&str; 3]; 5] = [
     [
@@ -51,7 +54,8 @@ fn draw(studio: &Studio) -> Result<Page> {
     let mut page = Page::new(
         "A sphere of 3 cm presses 12 mm into a soft limb around a bone, slides 4 cm along it and lets go. Error is \
          that of the skin's displacement at full press against the full space (every node free, solved to \
-         convergence, no friction), relative, L2. Handles inside the volume and how much of the basis is kept \
+         convergence, no friction), relative, L2; the committed scenes are timed with a friction of 0.5, as the \
+         benchmark has it. Handles inside the volume and how much of the basis is kept \
          decide it.",
     );
     let mut lines = Vec::new();
@@ -305,7 +309,7 @@ impl<'a> Mesh<'a> {
             format!("scene {}", scene.name),
             avatar.handles.len().to_string(),
             format!("{error:.1} %"),
-            format!("{:.2}", in_contact_ms(&scene, &run)),
+            format!("{:.2}", self.in_contact_ms(scene, &avatar)?),
             format!("{:.2}", report.contact_force_n),
             format!("{:.3}", report.min_det_f),
             match self.studio.small() {
@@ -313,6 +317,18 @@ impl<'a> Mesh<'a> {
                 false => format!("{:.5}", report.residual_displacement_mm),
             },
         ])
+    }
+
+    /// Median time of the steps from 0.25 to 1.5 s with friction: the benchmark's own measure, ms.
+    fn in_contact_ms(&self, mut scene: Scene, avatar: &Arc<Avatar>) -> Result<f64> {
+        for collider in &mut scene.colliders {
+            collider.friction = FRICTION;
+        }
+        scene.output.panels.clear();
+        scene.steps = scene.step_at(1.5);
+        let run = self.studio.play(&scene, avatar)?;
+        let timed = &run.steps[scene.step_at(0.25)..];
+        Ok(median(timed.iter().map(|s| s.timings.step)))
     }
 }
 
@@ -329,12 +345,6 @@ fn kept(truncation: Truncation) -> &'static str {
         LOOSE => "little truncated",
         _ => "truncated",
     }
-}
-
-/// Median time of the steps from 0.25 to 1.5 s: the benchmark's own measure, ms.
-fn in_contact_ms(scene: &Scene, run: &SceneRun) -> f64 {
-    let [from, to] = [scene.step_at(0.25), scene.step_at(1.5)].map(|s| s.min(run.steps.len()));
-    median(run.steps[from..to].iter().map(|s| s.timings.step))
 }
 
 /// Median time of a step of one iteration from the pressed state, ms.
