@@ -25,7 +25,7 @@ pub use motion_clip::{MotionClip, MotionFrame, UpAxis};
 pub use parametric::ParametricModel;
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
 pub use rigid_body::RigidBody;
-pub use skeleton::{Skeleton, pose_feature, pose_feature_into};
+pub use skeleton::{Skeleton, pose_feature, pose_feature_into, pose_features};
 pub use state::{Space, State};
 pub use surface::Surface;
 pub use tet_mesh::TetMesh;

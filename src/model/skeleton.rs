@@ -166,19 +166,21 @@ impl Skeleton {
 /// SMPL's pose feature: R_parentᵀ R_child − I of every bone but the roots, nine numbers each, row by
 /// row (Loper et al. 2015). Bones are in skeleton order.
 pub fn pose_feature(parents: &[Option<u32>], frames: &[Frame]) -> Vec<f64> {
-    let mut feature = Vec::with_capacity(9 * parents.len().saturating_sub(1));
-    pose_feature_into(parents, frames, &mut feature);
-    feature
+    pose_features(parents, frames).collect()
 }
 
 /// [`pose_feature`] into a vector that is kept.
 pub fn pose_feature_into(parents: &[Option<u32>], frames: &[Frame], out: &mut Vec<f64>) {
     out.clear();
-    for (j, parent) in parents.iter().enumerate() {
-        if let Some(p) = parent {
-            let relative = frames[*p as usize].rotation.transpose() * frames[j].rotation;
-            // Rows of the relative rotation are columns of its transpose.
-            out.extend((relative - DMat3::IDENTITY).transpose().to_cols_array());
-        }
-    }
+    out.extend(pose_features(parents, frames));
+}
+
+/// [`pose_feature`], number by number.
+pub fn pose_features(parents: &[Option<u32>], frames: &[Frame]) -> impl Iterator<Item = f64> {
+    parents.iter().zip(frames).flat_map(|(parent, frame)| {
+        let relative = parent.map(|p| frames[p as usize].rotation.transpose() * frame.rotation);
+        // Rows of the relative rotation are columns of its transpose.
+        let change = relative.map(|r| (r - DMat3::IDENTITY).transpose().to_cols_array());
+        change.into_iter().flatten()
+    })
 }

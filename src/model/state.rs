@@ -39,12 +39,27 @@ impl Space {
 }
 
 /// One configuration of an avatar, in f64 and world space.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Bones: rotation from the bind pose and joint position.
     pub frames: Vec<Frame>,
     /// Handle displacements φ in unposed space, m.
     pub handles: Vec<DVec3>,
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        Self {
+            frames: self.frames.clone(),
+            handles: self.handles.clone(),
+        }
+    }
+
+    /// In the memory that is there, as a step needs it: a derived one would allocate.
+    fn clone_from(&mut self, other: &Self) {
+        self.frames.clone_from(&other.frames);
+        self.handles.clone_from(&other.handles);
+    }
 }
 
 impl State {
@@ -90,11 +105,45 @@ impl State {
         frames.chain(handles).flat_map(|v| v.to_array()).collect()
     }
 
+    /// Moves once more by the step that led to it from `previous`.
+    pub fn coast(&mut self, previous: &Self) {
+        for (frame, before) in self.frames.iter_mut().zip(&previous.frames) {
+            let (translation, rotation) = before.motion_to(frame);
+            *frame = frame.moved(translation, rotation);
+        }
+        for (handle, before) in self.handles.iter_mut().zip(&previous.handles) {
+            *handle += *handle - *before;
+        }
+    }
+
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         self.frames
             .iter()
             .all(|f| f.position.is_finite() && f.rotation.is_finite())
             && self.handles.iter().all(|h| h.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Random;
+
+    #[test]
+    fn to_coast_is_to_take_the_last_step_once_more() {
+        let random = &mut Random::new(5);
+        let previous = State {
+            frames: vec![Frame::IDENTITY.moved(random.vector(1.0), random.vector(1.0)); 2],
+            handles: vec![random.vector(1.0)],
+        };
+        let step: Vec<f64> = (0..15).map(|_| random.uniform(-0.3, 0.3)).collect();
+        let mut state = previous.moved(&step, 1.0);
+        let wanted = state.moved(&previous.step_to(&state), 1.0);
+        state.coast(&previous);
+        assert_eq!(state, wanted);
+        let twice = previous.moved(&step, 2.0);
+        let apart = |(a, b): (&Frame, &Frame)| a.position.distance(b.position);
+        assert!((twice.frames.iter().zip(&state.frames)).all(|pair| apart(pair) < 1e-12));
     }
 }

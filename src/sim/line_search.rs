@@ -3,7 +3,7 @@
 use super::newton::Newton;
 use super::report::{Stop, Timings};
 use crate::Result;
-use crate::math::Stopwatch;
+use crate::math::{Stopwatch, recycled};
 use crate::model::State;
 use crate::potential::{Potential, Trial};
 
@@ -23,6 +23,7 @@ const SUFFICIENT_DECREASE: f64 = 1e-4;
 pub(super) struct LineSearch {
     states: Vec<State>,
     differences: Vec<f64>,
+    trials: Vec<Trial<'static>>,
     pending: Vec<usize>,
 }
 
@@ -67,7 +68,7 @@ impl Newton {
             search.states.push(self.states[0].clone());
         }
         search.differences.resize(count, 0.0);
-        let mut trials = Vec::with_capacity(count);
+        let mut trials: Vec<Trial<'_>> = recycled(std::mem::take(&mut search.trials));
         for (&i, states) in search
             .pending
             .iter()
@@ -92,6 +93,7 @@ impl Newton {
                 .difference(&trial.base.frames, &trial.state.frames)
                 .total();
         }
+        search.trials = recycled(trials);
         timings.evaluation += watch.ms();
         Ok(())
     }

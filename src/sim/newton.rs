@@ -54,6 +54,8 @@ pub(super) struct Newton {
     others: Vec<Evaluation>,
     other_states: Vec<State>,
     rising: Vec<bool>,
+    /// Energies of the predictions of rising instances, J.
+    predicted: Vec<f64>,
     pub(super) search: super::line_search::LineSearch,
 }
 
@@ -70,6 +72,7 @@ impl Newton {
             others: vec![Evaluation::default(); count],
             other_states: vec![rest.clone(); count],
             rising: vec![false; count],
+            predicted: Vec::with_capacity(count),
             search: Default::default(),
         }
     }
@@ -121,16 +124,15 @@ impl Newton {
         }
         self.exchange_starts();
         std::mem::swap(&mut self.running, &mut self.rising);
-        let predicted: Vec<f64> = self
-            .lanes
-            .iter()
-            .zip(&self.others)
-            .map(|(lane, e)| e.energies.total() + lane.report.skeleton_energies.total())
-            .collect();
+        let lanes = self.lanes.iter().zip(&self.others);
+        self.predicted.clear();
+        self.predicted.extend(
+            lanes.map(|(lane, e)| e.energies.total() + lane.report.skeleton_energies.total()),
+        );
         self.evaluate(potential, timings).await?;
         std::mem::swap(&mut self.running, &mut self.rising);
         for i in 0..self.lanes.len() {
-            if self.rising[i] && predicted[i] <= self.total_energy(i) {
+            if self.rising[i] && self.predicted[i] <= self.total_energy(i) {
                 // The prediction was the better start after all (pins carry the bones away from qⁿ).
                 std::mem::swap(&mut self.states[i], &mut self.other_states[i]);
                 std::mem::swap(&mut self.evaluations[i], &mut self.others[i]);

@@ -109,6 +109,18 @@ impl Default for InstanceReport {
     }
 }
 
+impl InstanceReport {
+    /// As [`InstanceReport::default`], in the same memory.
+    pub(super) fn reset(&mut self) {
+        let mut loads = std::mem::take(&mut self.loads);
+        loads.clear();
+        *self = Self {
+            loads,
+            ..Self::default()
+        };
+    }
+}
+
 /// What [`Simulation::step`](super::Simulation::step) did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {

@@ -6,7 +6,7 @@ use super::linear_solver::LinearSolver;
 use super::newton::{Lane, Newton};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
-use crate::math::Stopwatch;
+use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
 use crate::potential::{Potential, StepStart};
 use crate::skeleton::{SkeletonModel, SkeletonPotential, SkeletonStart, joint_gap};
@@ -22,6 +22,8 @@ pub struct Simulation<P: Potential> {
     pub(super) captured_under_gravity: bool,
     pub(super) instances: Vec<Instance>,
     newton: Newton,
+    /// Memory of the starts of a step.
+    starts: Vec<StepStart<'static>>,
 }
 
 impl<P: Potential> Simulation<P> {
@@ -77,6 +79,7 @@ impl<P: Potential> Simulation<P> {
             skeleton,
             captured_under_gravity: avatar.captured_under_gravity,
             instances,
+            starts: Vec::new(),
         })
     }
 
@@ -136,6 +139,17 @@ impl<P: Potential> Simulation<P> {
     /// Unusable input, a lost device, a linear system that cannot be solved, or a result that is not
     /// finite. Every instance then keeps the state it had.
     pub async fn step(&mut self) -> Result<StepReport> {
+        let mut report = StepReport::default();
+        self.step_into(&mut report).await?;
+        Ok(report)
+    }
+
+    /// [`Simulation::step`] with its report written into one that is kept: a step then allocates nothing, but for the
+    /// pool's own queue where it is called from a thread outside of it (see [`crate::math::in_pool`]).
+    ///
+    /// # Errors
+    /// As [`Simulation::step`]; the report is then the last one's.
+    pub async fn step_into(&mut self, report: &mut StepReport) -> Result<()> {
         let watch = Stopwatch::start();
         let mut timings = Timings::default();
         self.begin_step(&mut timings).await?;
@@ -162,11 +176,13 @@ impl<P: Potential> Simulation<P> {
         timings.hessian = evaluation.hessian;
         timings.readback = evaluation.readback;
         timings.step = watch.ms();
-        let lanes = self.newton.lanes.iter();
-        Ok(StepReport {
-            timings,
-            instances: lanes.map(|lane| lane.report.clone()).collect(),
-        })
+        report.timings = timings;
+        let count = self.instances.len();
+        report.instances.resize_with(count, InstanceReport::default);
+        for (out, lane) in report.instances.iter_mut().zip(&mut self.newton.lanes) {
+            std::mem::swap(out, &mut lane.report);
+        }
+        Ok(())
     }
 
     /// [`Simulation::step`] on this thread until it is done.
@@ -196,19 +212,20 @@ impl<P: Potential> Simulation<P> {
         for (i, instance) in self.instances.iter().enumerate() {
             self.newton.active[i] = instance.active;
             let lane = &mut self.newton.lanes[i];
-            lane.report = InstanceReport::default();
+            lane.report.reset();
             if !instance.active {
                 self.newton.states[i].clone_from(&instance.state);
                 continue;
             }
             instance.validate(&lane.current)?;
-            lane.skeleton = skeleton_terms(&self.skeleton, &self.settings, instance);
+            let start = skeleton_start(&self.settings, instance);
+            lane.skeleton.restart(&self.skeleton, &start);
             lane.current.clone_from(&instance.state);
             lane.fallback.clone_from(&instance.state);
             // The inertial prediction on the manifold: the last step once more.
             let predicted = &mut self.newton.states[i];
             predicted.clone_from(&instance.state);
-            predicted.move_by(&instance.previous.step_to(&instance.state), 1.0);
+            predicted.coast(&instance.previous);
             lane.fixed.fill(false);
             for pin in &instance.pins {
                 predicted.frames[pin.bone] = pin.frame;
@@ -218,14 +235,14 @@ impl<P: Potential> Simulation<P> {
         }
         timings.skeleton += watch.ms();
         let watch = Stopwatch::start();
-        let starts: Vec<_> = self
-            .instances
-            .iter()
-            .map(|instance| tissue_start(&self.settings, self.captured_under_gravity, instance))
-            .collect();
+        let mut starts: Vec<StepStart<'_>> = recycled(std::mem::take(&mut self.starts));
+        let (settings, captured) = (&self.settings, self.captured_under_gravity);
+        let start = |instance| tissue_start(settings, captured, instance);
+        starts.extend(self.instances.iter().map(start));
         self.potential
             .begin_step(&starts, &self.newton.active)
             .await?;
+        self.starts = recycled(starts);
         timings.evaluation += watch.ms();
         Ok(())
     }
@@ -275,19 +292,21 @@ pub(super) fn skeleton_terms(
     settings: &Settings,
     instance: &Instance,
 ) -> SkeletonPotential {
-    SkeletonPotential::new(
-        model,
-        &SkeletonStart {
-            time_step: settings.time_step,
-            previous: &instance.previous.frames,
-            current: &instance.state.frames,
-            joint_stiffness: settings.joint_stiffness,
-            bending: &instance.bending,
-            limits: &instance.limits,
-            targets: &instance.targets,
-            gravity: instance.gravity,
-        },
-    )
+    SkeletonPotential::new(model, &skeleton_start(settings, instance))
+}
+
+/// What the skeleton's next step of an instance starts from.
+fn skeleton_start<'a>(settings: &Settings, instance: &'a Instance) -> SkeletonStart<'a> {
+    SkeletonStart {
+        time_step: settings.time_step,
+        previous: &instance.previous.frames,
+        current: &instance.state.frames,
+        joint_stiffness: settings.joint_stiffness,
+        bending: &instance.bending,
+        limits: &instance.limits,
+        targets: &instance.targets,
+        gravity: instance.gravity,
+    }
 }
 
 /// What the tissue's next step of an instance starts from.

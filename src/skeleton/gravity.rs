@@ -1,7 +1,7 @@
 //! Gravity as a function of the pose alone.
 
 use super::term::{FrameHessian, FrameTerm, add_block, rotation_curvature};
-use crate::model::{Avatar, Frame, pose_feature};
+use crate::model::{Avatar, Frame, pose_features};
 use glam::DVec3;
 
 /// Mass and first moment of the matter that each bone carries, about its joint.
@@ -45,28 +45,28 @@ impl TissueMoments {
         out
     }
 
-    /// M1 with x̄ of the pose `frames`.
-    fn first_moments(&self, frames: &[Frame]) -> Vec<DVec3> {
-        let mut first = self.first.clone();
-        if !self.blend.is_empty() {
-            let feature = pose_feature(&self.parents, frames);
-            for (value, columns) in feature.iter().zip(self.blend.chunks(first.len())) {
-                for (moment, column) in first.iter_mut().zip(columns) {
-                    *moment += *value * *column;
-                }
+    /// Adds M0, and M1 with x̄ of the pose `frames`, to the moments of each bone.
+    fn add_to(&self, moments: &mut [(f64, DVec3)], frames: &[Frame]) {
+        for ((mass, first), (m0, m1)) in moments.iter_mut().zip(self.mass.iter().zip(&self.first)) {
+            *mass += m0;
+            *first += *m1;
+        }
+        let columns = self.blend.chunks_exact(self.mass.len().max(1));
+        for (value, column) in pose_features(&self.parents, frames).zip(columns) {
+            for ((_, first), share) in moments.iter_mut().zip(column) {
+                *first += value * *share;
             }
         }
-        first
     }
 }
 
 /// E = −Σ_j g · (R_j M1_j + M0_j c_j), over bones and, where the rest shape already sags under
 /// gravity, the tissue at φ = 0. Linear in positions: its Gauss–Newton Hessian is 0.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct FrameGravity {
     gravity: DVec3,
-    mass: Vec<f64>,
-    first: Vec<DVec3>,
+    /// (M0, kg; M1, kg m) of each bone.
+    moments: Vec<(f64, DVec3)>,
 }
 
 impl FrameGravity {
@@ -77,30 +77,36 @@ impl FrameGravity {
         tissue: Option<&TissueMoments>,
         current: &[Frame],
     ) -> Self {
-        let (mut mass, mut first): (Vec<f64>, Vec<DVec3>) = bones.iter().copied().unzip();
+        let mut out = Self::default();
+        out.restart(gravity, bones, tissue, current);
+        out
+    }
+
+    /// [`FrameGravity::new`] in the memory of the last step's.
+    pub(super) fn restart(
+        &mut self,
+        gravity: DVec3,
+        bones: &[(f64, DVec3)],
+        tissue: Option<&TissueMoments>,
+        current: &[Frame],
+    ) {
+        self.gravity = gravity;
+        self.moments.clear();
+        self.moments.extend(bones);
         if let Some(tissue) = tissue {
-            for (j, moment) in tissue.first_moments(current).into_iter().enumerate() {
-                mass[j] += tissue.mass[j];
-                first[j] += moment;
-            }
-        }
-        Self {
-            gravity,
-            mass,
-            first,
+            tissue.add_to(&mut self.moments, current);
         }
     }
 }
 
 impl FrameTerm for FrameGravity {
     fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
-        let moved = |j: usize| {
-            (frames[j].rotation - base[j].rotation) * self.first[j]
-                + self.mass[j] * (frames[j].position - base[j].position)
+        let moved = |(j, (mass, first)): (usize, &(f64, DVec3))| {
+            (frames[j].rotation - base[j].rotation) * *first
+                + *mass * (frames[j].position - base[j].position)
         };
-        -(0..frames.len())
-            .map(|j| self.gravity.dot(moved(j)))
-            .sum::<f64>()
+        let works = self.moments.iter().enumerate();
+        -works.map(|m| self.gravity.dot(moved(m))).sum::<f64>()
     }
 
     fn add_derivatives(
@@ -109,16 +115,16 @@ impl FrameTerm for FrameGravity {
         gradient: &mut [f64],
         _hessian: &mut FrameHessian<'_>,
     ) {
-        for (j, frame) in frames.iter().enumerate() {
-            add_block(gradient, 2 * j, -self.mass[j] * self.gravity);
-            let lever = frame.rotation * self.first[j];
+        for (j, (frame, (mass, first))) in frames.iter().zip(&self.moments).enumerate() {
+            add_block(gradient, 2 * j, -mass * self.gravity);
+            let lever = frame.rotation * *first;
             add_block(gradient, 2 * j + 1, -lever.cross(self.gravity));
         }
     }
 
     fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
-        for (j, frame) in frames.iter().enumerate() {
-            let lever = frame.rotation * self.first[j];
+        for (j, (frame, (_, first))) in frames.iter().zip(&self.moments).enumerate() {
+            let lever = frame.rotation * *first;
             let rotation = 2 * j + 1;
             hessian.add(rotation, rotation, rotation_curvature(-self.gravity, lever));
         }

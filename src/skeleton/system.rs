@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 pub struct SkeletonModel {
     skeleton: Skeleton,
     masses: Vec<BoneMass>,
+    /// Mass and first moment of each.
+    moments: Vec<(f64, DVec3)>,
     /// The tissue's moments where its weight loads the bones and not the handles.
     tissue: Option<TissueMoments>,
     /// Mass of bones and tissue, kg.
@@ -33,6 +35,7 @@ impl SkeletonModel {
         Self {
             skeleton: avatar.skeleton.clone(),
             masses: avatar.bone_masses.clone(),
+            moments: avatar.bone_masses.iter().map(BoneMass::moments).collect(),
             tissue: avatar
                 .captured_under_gravity
                 .then(|| TissueMoments::new(avatar)),
@@ -97,7 +100,7 @@ impl SkeletonEnergies {
 }
 
 /// The skeleton's energy in one step of one instance.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SkeletonPotential {
     frames: usize,
     inertia: Vec<BoneInertia>,
@@ -111,60 +114,51 @@ pub struct SkeletonPotential {
 impl SkeletonPotential {
     /// The terms of a step.
     pub fn new(model: &SkeletonModel, start: &SkeletonStart<'_>) -> Self {
+        let mut out = Self::default();
+        out.restart(model, start);
+        out
+    }
+
+    /// [`SkeletonPotential::new`] in the memory of the last step's.
+    pub fn restart(&mut self, model: &SkeletonModel, start: &SkeletonStart<'_>) {
         let skeleton = &model.skeleton;
-        let pairs = || {
-            skeleton
-                .parents
-                .iter()
-                .enumerate()
-                .filter_map(|(child, parent)| Some((child, (*parent)? as usize)))
-        };
-        let inertia = |(j, mass)| {
+        let parents = skeleton.parents.iter().enumerate();
+        let pairs = parents.filter_map(|(child, parent)| Some((child, (*parent)? as usize)));
+        self.frames = skeleton.len();
+        self.inertia.clear();
+        let masses = model.masses.iter().enumerate();
+        self.inertia.extend(masses.map(|(j, mass)| {
             let (previous, current) = (&start.previous[j], &start.current[j]);
             BoneInertia::new(j, mass, previous, current, start.time_step)
+        }));
+        self.joints.clear();
+        let joint = |(child, parent): (usize, usize)| JointSpring {
+            child,
+            parent,
+            offset: skeleton.joints[child] - skeleton.joints[parent],
+            stiffness: start.joint_stiffness,
         };
-        let moments: Vec<_> = model.masses.iter().map(BoneMass::moments).collect();
-        Self {
-            frames: skeleton.len(),
-            inertia: model.masses.iter().enumerate().map(inertia).collect(),
-            joints: pairs()
-                .map(|(child, parent)| JointSpring {
-                    child,
-                    parent,
-                    offset: skeleton.joints[child] - skeleton.joints[parent],
-                    stiffness: start.joint_stiffness,
-                })
-                .collect(),
-            bending: pairs()
-                .map(|(child, parent)| BendingSpring {
-                    child,
-                    parent,
-                    bending: start.bending[child],
-                })
-                .collect(),
-            limits: (start.limits.iter())
-                .filter_map(|&limit| {
-                    let parent = skeleton.parents[limit.bone]? as usize;
-                    let child = limit.bone;
-                    Some(LimitSpring {
-                        child,
-                        parent,
-                        limit,
-                    })
-                })
-                .collect(),
-            tracking: start
-                .targets
-                .iter()
-                .map(|&target| TrackingSpring::new(target, start.current, start.time_step))
-                .collect(),
-            gravity: FrameGravity::new(
-                start.gravity,
-                &moments,
-                model.tissue.as_ref(),
-                start.current,
-            ),
-        }
+        self.joints.extend(pairs.clone().map(joint));
+        self.bending.clear();
+        let bending = |(child, parent): (usize, usize)| BendingSpring {
+            child,
+            parent,
+            bending: start.bending[child],
+        };
+        self.bending.extend(pairs.map(bending));
+        self.limits.clear();
+        self.limits.extend(start.limits.iter().filter_map(|&limit| {
+            Some(LimitSpring {
+                child: limit.bone,
+                parent: skeleton.parents[limit.bone]? as usize,
+                limit,
+            })
+        }));
+        self.tracking.clear();
+        let target = |&target| TrackingSpring::new(target, start.current, start.time_step);
+        self.tracking.extend(start.targets.iter().map(target));
+        let (moments, tissue) = (&model.moments, model.tissue.as_ref());
+        (self.gravity).restart(start.gravity, moments, tissue, start.current);
     }
 
     /// E(frames) − E(base), term by term.

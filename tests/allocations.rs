@@ -1,0 +1,81 @@
+//! A step works in the memory of the steps before it.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use supple::Result;
+use supple::bake::bake;
+use supple::export::Driver;
+use supple::load::read_scene;
+use supple::math::in_pool;
+use supple::reference::Reference;
+use supple::sim::{Simulation, StepReport};
+
+/// The system's allocator, counting what all threads ask of it.
+struct Counting;
+
+static REQUESTS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every request goes to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        REQUESTS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.dealloc(place, layout) }
+    }
+
+    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        REQUESTS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.realloc(place, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Steps of the slide that may still make room for more contacts than before, and those that may not.
+const WARM_UP: usize = 80;
+const STEPS: usize = 110;
+
+/// A finger with a tracked root is drawn over a rough cylinder: targets, limits, contact and friction all have their
+/// part. The only test of its binary, as another thread's requests would count. All steps are called in the pool: the
+/// queue by which one from outside gets there takes memory for every 63 of them.
+#[test]
+fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/assets/scenes/finger_slide.toml"
+    );
+    let scene = read_scene(path)?;
+    let (body, recipe) = scene.avatar.body()?;
+    let avatar = Arc::new(bake(&body, &recipe, &mut |_| {})?.0);
+    let potential = Reference::new(avatar.clone(), 1, avatar.skin.len())?;
+    let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
+    let mut driver = Driver::new(&scene, &avatar)?;
+    driver.start(&avatar, &mut simulation.instances_mut()[0]);
+    let mut report = StepReport::default();
+    let (mut requests, mut rubbed) = ([0; STEPS], false);
+    in_pool(|| {
+        pollster::block_on(async {
+            for (step, count) in (1..).zip(&mut requests) {
+                let time = step as f64 * scene.settings.time_step;
+                driver.drive(time, &mut simulation.instances_mut()[0])?;
+                let before = REQUESTS.load(Ordering::Relaxed);
+                simulation.step_into(&mut report).await?;
+                *count = REQUESTS.load(Ordering::Relaxed) - before;
+                rubbed |= step as usize > WARM_UP && report.instances[0].energies.friction != 0.0;
+            }
+            Ok::<_, supple::Error>(())
+        })
+    })?;
+    assert!(rubbed && !report.instances[0].loads.is_empty());
+    assert!(requests[0] > 0, "the allocator does not count");
+    assert_eq!(requests[WARM_UP..], [0; STEPS - WARM_UP], "{requests:?}");
+    Ok(())
+}
