@@ -170,7 +170,7 @@ impl Shape {
         let sizes: &[(&str, f64)] = match self {
             Self::HalfSpace => &[],
             Self::Mesh(mesh) => return mesh.grid().map(drop),
-            Self::Sphere { radius } => &[("radius", *radius)],
+            Self::Sphere { radius } => &[("collider.shape.radius", *radius)],
             Self::Capsule {
                 radius,
                 half_length,
@@ -178,17 +178,20 @@ impl Shape {
             | Self::Cylinder {
                 radius,
                 half_length,
-            } => &[("radius", *radius), ("half_length", *half_length)],
+            } => &[
+                ("collider.shape.radius", *radius),
+                ("collider.shape.half_length", *half_length),
+            ],
             Self::Box {
                 half_extents: [x, y, z],
             } => &[
-                ("half_extents[0]", *x),
-                ("half_extents[1]", *y),
-                ("half_extents[2]", *z),
+                ("collider.shape.half_extents[0]", *x),
+                ("collider.shape.half_extents[1]", *y),
+                ("collider.shape.half_extents[2]", *z),
             ],
         };
         for (field, size) in sizes {
-            positive(&format!("collider.shape.{field}"), *size, "m")?;
+            positive(field, *size, "m")?;
         }
         Ok(())
     }

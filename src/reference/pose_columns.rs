@@ -66,7 +66,7 @@ mod tests {
                 columns: vec![[0.0; 3]; features * points],
             };
             for (at, column) in blend.columns.iter_mut().enumerate() {
-                if (at / points + at % points / GROUP) % 3 > 0 {
+                if !(at / points + at % points / GROUP).is_multiple_of(3) {
                     *column = random.vector(1e-2).as_vec3().to_array();
                 }
             }
