@@ -7,6 +7,7 @@ mod instance;
 mod line_search;
 mod linear_solver;
 mod newton;
+mod prediction;
 mod report;
 mod settings;
 mod simulation;

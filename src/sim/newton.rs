@@ -25,8 +25,7 @@ pub(super) struct Lane {
     pub skeleton: SkeletonPotential,
     /// qⁿ.
     pub current: State,
-    /// qⁿ with pinned bones already where they end: where the minimisation starts if the prediction
-    /// raises the energy.
+    /// Where the minimisation starts if the prediction raises the energy, see [`super::prediction::fall_back`].
     pub fallback: State,
     /// Which DoFs are prescribed.
     pub fixed: Vec<bool>,

@@ -4,6 +4,7 @@ use super::dense_cholesky::DenseCholesky;
 use super::instance::Instance;
 use super::linear_solver::LinearSolver;
 use super::newton::{Lane, Newton};
+use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
 use crate::math::{Stopwatch, recycled};
@@ -221,15 +222,11 @@ impl<P: Potential> Simulation<P> {
             let start = skeleton_start(&self.settings, instance);
             lane.skeleton.restart(&self.skeleton, &start);
             lane.current.clone_from(&instance.state);
-            lane.fallback.clone_from(&instance.state);
-            // The inertial prediction on the manifold: the last step once more.
-            let predicted = &mut self.newton.states[i];
-            predicted.clone_from(&instance.state);
-            predicted.coast(&instance.previous);
+            let skeleton = self.skeleton.skeleton();
+            fall_back(skeleton, instance, &mut lane.fallback);
+            predict(skeleton, instance, &mut self.newton.states[i]);
             lane.fixed.fill(false);
             for pin in &instance.pins {
-                predicted.frames[pin.bone] = pin.frame;
-                lane.fallback.frames[pin.bone] = pin.frame;
                 lane.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
             }
         }
