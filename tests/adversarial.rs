@@ -374,6 +374,11 @@ fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
     for ball in instance.previous.frames.iter_mut().skip(rest.frames.len()) {
         *ball = AWAY;
     }
+    for limit in &mut instance.limits {
+        // Weaker than what draws the bones: a stiff one between two bones that are half a turn off, one each way round,
+        // keeps them there, a minimum of the energy.
+        limit.stiffness = 1.0;
+    }
     instance.gravity = DVec3::ZERO;
     for (bone, target) in instance.targets.iter_mut().enumerate() {
         let spring = |stiffness, damping| Some(Spring { stiffness, damping });
