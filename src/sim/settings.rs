@@ -10,12 +10,13 @@ pub const LARGEST_JOINT_STIFFNESS: f64 = 1e6;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SolverMode {
-    /// One Newton iteration from the inertial prediction (from qⁿ where that has less energy): the
-    /// paper's mode. Its step is taken whole and on trust up to 1 mm; a longer one means that
-    /// something unforeseen happened, and is halved until it lowers the energy. One iteration does
-    /// not see the contacts that it makes: on the bone press it is 0.03 mm off the converged run
-    /// while pressing and up to 1.9 mm while the sphere slides and leaves (6 mm if every step were
-    /// taken whole), where [`SolverMode::TWO_ITERATIONS`] is 0.5 mm off.
+    /// One Newton iteration, so one linear solve, from the inertial prediction with closed joints
+    /// (from qⁿ where that has less energy): the paper's mode. Its step is taken whole and on trust up
+    /// to 1 mm; a longer one means that something unforeseen happened, and is halved until it lowers
+    /// the energy, which costs an evaluation of E for each few lengths. One iteration does not see the
+    /// contacts that it makes, nor how far friction gives way: on the bone press it is 0.02 mm off the
+    /// converged run while pressing and up to 1.9 mm while the sphere slides and leaves (4.8 mm if every
+    /// step were taken whole), where [`SolverMode::TWO_ITERATIONS`] is 0.3 mm off.
     OneIteration,
     /// Newton with a line search until a step is shorter than `tolerance`.
     Converged {

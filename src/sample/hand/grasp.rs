@@ -23,8 +23,11 @@ const fn flexed(a: f64, b: f64, c: f64) -> Bent {
     [[a, 0.0, 0.0], [b, 0.0, 0.0], [c, 0.0, 0.0]]
 }
 
-/// The thumb stays up, clear of the tube.
-const THUMB: Bent = [[-10.0, 25.0, 0.0], [5.0, 0.0, 0.0], [0.0; 3]];
+/// The thumb starts up, clear of the tube, and closes against it from the other side.
+const THUMB: [Bent; 2] = [
+    [[-10.0, 25.0, 0.0], [5.0, 0.0, 0.0], [0.0; 3]],
+    [[11.0, 25.0, -2.0], [57.0, -13.0, 0.0], [30.0, 0.0, 0.0]],
+];
 /// Fingers open.
 const OPEN: Bent = flexed(-8.0, 5.0, 0.0);
 /// Index, middle, pinky, ring and thumb closed: by how much further than the surface of a tube of 20 mm radius the
@@ -34,7 +37,7 @@ const CLOSED: [Bent; 5] = [
     flexed(44.0, 79.0, 40.0),
     flexed(16.0, 64.0, 34.0),
     flexed(33.0, 77.0, 37.0),
-    THUMB,
+    THUMB[1],
 ];
 
 /// The sample hand, thumb up, closes around a tube that stands before its palm, rises and keeps still; away from its
@@ -61,7 +64,7 @@ fn pose(digits: &[Digit; 5], time: f64) -> BonePoses {
         if segment == 0 {
             rotation = thumb_up;
         }
-        let open = if digit < 4 { OPEN } else { THUMB };
+        let open = if digit < 4 { OPEN } else { THUMB[0] };
         let [from, to] = [open, CLOSED[digit]].map(|bent| DVec3::from_array(bent[segment]));
         rotation *= bend(digits, j, from.lerp(to, closed).to_array());
         let pose = BonePose {
