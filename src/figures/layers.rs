@@ -112,7 +112,7 @@ fn hand_cuts() -> [Cut; 2] {
             view: DVec3::new(-0.1, -1.0, -0.25),
             up: DVec3::Z,
             bones_within: [-0.01, 0.002],
-            near: Some((DVec3::new(0.135, 0.004, 0.0), 0.062)),
+            near: Some((DVec3::new(0.15, 0.004, -0.004), 0.064)),
         },
     ]
 }
