@@ -15,6 +15,7 @@ const LOCAL_STRUCTS: &[&str] = &[
     "SignedDistance",
     "Fibres",
     "Matrix9",
+    "Run",
 ];
 
 #[test]

@@ -150,12 +150,12 @@ fn compared(
         let [width, height] = posed.size;
         let aspect = width as f64 / height as f64;
         let camera = Camera::framing(&skin.positions, posed.view, posed.up, aspect);
-        let panel = |mesh: Mesh| Panel {
+        let panel = |mesh: Mesh, shapes: &str| Panel {
             image: studio.picture(&[mesh], camera, posed.size),
-            caption: pose.name.into(),
+            caption: format!("{}, {shapes}", pose.name),
         };
-        above.push(panel(Mesh::new(plain, scale.colour(0.0))));
-        below.push(panel(Mesh::coloured(skin, scale.colours(moved))));
+        above.push(panel(Mesh::new(plain, scale.colour(0.0)), "without"));
+        below.push(panel(Mesh::coloured(skin, scale.colours(moved)), "with"));
     }
     let columns = above.len();
     above.append(&mut below);
