@@ -1,9 +1,7 @@
 //! The skin as a surface: closed, symmetric, a person's proportions, apart where limbs are.
 
 use super::{CELL, betas, body, joint, other_side, skin, surface_of};
-use crate::surface::{
-    components, edges, is_manifold, self_intersections, smallest_angle, winding_number,
-};
+use crate::surface::{assert_closed_sphere, self_intersections, smallest_angle, winding_number};
 use supple::bake::Mesher;
 use supple::bake::mesh::{MeshQuality, ShellOptions};
 use supple::glam::{DMat3, DVec3};
@@ -19,15 +17,10 @@ pub fn mirrored(p: DVec3) -> DVec3 {
 fn the_skin_is_one_closed_manifold_sphere_of_smpls_size() {
     let skin = skin();
     assert_eq!((skin.positions.len(), skin.triangles.len()), (6890, 13776));
-    assert!(skin.is_closed() && is_manifold(&skin));
-    assert_eq!(components(&skin), 1);
-    let euler = skin.positions.len() as i64 - edges(&skin.triangles).len() as i64
-        + skin.triangles.len() as i64;
-    assert_eq!(euler, 2, "genus 0");
+    assert_closed_sphere(&skin, CELL);
     // Outward, and a slim person's: at the density of water 52 to 70 kg.
     let volume = skin.volume();
     assert!((0.052..0.070).contains(&volume), "{volume} m³");
-    assert_eq!(self_intersections(&skin, CELL), 0);
     for t in 0..skin.triangles.len() {
         let smallest = smallest_angle(skin.corners(t)).to_degrees();
         assert!(smallest > 12.0, "triangle {t}: {smallest}°");

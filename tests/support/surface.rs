@@ -189,3 +189,13 @@ pub fn dense_weights<const BONES: usize>(
     };
     model.weights.iter().map(dense).collect()
 }
+
+/// Panics unless `skin` is one closed manifold of genus 0 that does not cross itself; `cell` is about an edge's length, m.
+pub fn assert_closed_sphere(skin: &Surface, cell: f64) {
+    assert!(skin.is_closed() && is_manifold(skin));
+    assert_eq!(components(skin), 1);
+    let euler = skin.positions.len() as i64 - edges(&skin.triangles).len() as i64
+        + skin.triangles.len() as i64;
+    assert_eq!(euler, 2, "genus 0");
+    assert_eq!(self_intersections(skin, cell), 0);
+}
