@@ -6,10 +6,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
+use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, State};
+use supple::potential::CpuPotential;
 use supple::potential::{Evaluation, Potential, StepStart, Trial};
-use supple::reference::Reference;
-use supple::sample::{random_avatar, random_state};
 
 const BONES: usize = 16;
 const HANDLES: usize = 87;
@@ -48,7 +48,7 @@ fn colliders() -> [Collider; 2] {
 fn bench(criterion: &mut Criterion) {
     for points in [700, 2000] {
         let avatar = hand_sized(points);
-        let mut potential = Reference::new(avatar.clone(), 1, 4096).expect("a valid avatar");
+        let mut potential = CpuPotential::new(avatar.clone(), 1, 4096).expect("a valid avatar");
         let [previous, current, state] =
             [1, 2, 3].map(|seed| random_state(seed, &avatar, 0.05, 0.001));
         let colliders = colliders();

@@ -4,15 +4,16 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::sync::Arc;
-use supple::bake::bake;
-use supple::export::Driver;
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::load::{Scene, read_scene};
 use supple::model::Avatar;
+use supple::potential::CpuPotential;
 use supple::potential::Potential;
-use supple::reference::Reference;
-use supple::sim::{Simulation, full_space};
-use supple::stage::{GpuOptions, GpuPotential};
+use supple::potential::{GpuOptions, GpuPotential};
+use supple::sim::Simulation;
+use supple_bake::bake;
+use supple_bake::full_space::simulation;
+use supple_scene::Driver;
+use supple_scene::{Scene, read_scene};
 
 fn scene(name: &str) -> Scene {
     read_scene(format!("assets/scenes/{name}.toml")).expect("a committed scene")
@@ -47,7 +48,7 @@ fn on_cpu(criterion: &mut Criterion, name: &str, points: Option<usize>) -> suppl
     let (body, mut recipe) = scene.avatar.body()?;
     recipe.cubature.points = points.or(recipe.cubature.points);
     let avatar = Arc::new(bake(&body, &recipe, &mut |_| {})?.0);
-    let cpu = Reference::new(avatar.clone(), 1, avatar.skin.len())?;
+    let cpu = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
     let cpu = Simulation::new(&avatar, cpu, scene.settings)?;
     let name = format!("step/cpu/{name}, {} points", avatar.cubature.len());
     pressed(criterion, &name, &scene, &avatar, cpu, 4.0)
@@ -68,7 +69,7 @@ fn bench(criterion: &mut Criterion) {
     for points in [700, 2000] {
         recipe.cubature.points = Some(points);
         let avatar = Arc::new(bake(&body, &recipe, &mut |_| {}).expect("a bake").0);
-        let cpu = Reference::new(avatar.clone(), 1, 2048).expect("the f64 evaluation");
+        let cpu = CpuPotential::new(avatar.clone(), 1, 2048).expect("the f64 evaluation");
         let cpu = Simulation::new(&avatar, cpu, scene.settings).expect("a simulation");
         let name = format!("step/cpu/{points} points");
         pressed(criterion, &name, &scene, &avatar, cpu, 4.0).expect("a press");

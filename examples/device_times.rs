@@ -6,10 +6,10 @@ use std::time::Instant;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
+use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, State};
 use supple::potential::{Evaluation, Potential, StepStart};
-use supple::sample::{random_avatar, random_state};
-use supple::stage::{GpuOptions, GpuPotential};
+use supple::potential::{GpuOptions, GpuPotential};
 
 const STEPS: usize = 200;
 

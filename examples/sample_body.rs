@@ -6,10 +6,13 @@
 //! the skin that comes out.
 
 use supple::Result;
-use supple::export::{Camera, Image, Mesh, Panel, Projection, Strip, View, from_srgb, render};
 use supple::glam::{DMat3, DVec3};
-use supple::math::rotation_exp;
-use supple::model::{ParametricModel, Surface};
+use supple::internal::math::rotation_exp;
+use supple::model::Surface;
+use supple_bake::ParametricModel;
+use supple_pictures::{
+    Camera, Image, Mesh, Panel, Projection, Strip, View, from_srgb, raster::render,
+};
 
 /// Rotations of left bones about x, y and z (degrees); right ones take the mirror image unless `alternate`,
 /// where they take that of the opposite turn about x.
@@ -51,7 +54,7 @@ fn panel(skin: Vec<DVec3>, model: &ParametricModel, from: DVec3, width: usize) -
 
 fn main() -> Result<()> {
     let path = std::env::args().nth(1).unwrap_or("body.png".into());
-    let model = supple::sample::body()?.model;
+    let model = supple_samples::body()?.model;
     let rest = pose(&model, &[], false);
     let down = ("shoulder", [0.0, 0.0, -68.0]);
     let standing = pose(&model, &[down, ("elbow", [0.0, -12.0, 0.0])], false);

@@ -4,10 +4,11 @@
 
 use std::sync::Arc;
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::load::{AvatarSource, Sample};
+use supple::potential::{GpuOptions, GpuPotential};
 use supple::sim::{Settings, Simulation};
 use supple::skeleton::Tracking;
-use supple::stage::{GpuOptions, GpuPotential};
+use supple_samples::Sample;
+use supple_scene::AvatarSource;
 
 fn main() -> supple::Result<()> {
     // A game has these already; make its device with `supple::gpu::required_limits()`.
@@ -18,7 +19,7 @@ fn main() -> supple::Result<()> {
     } = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))?;
 
     let (body, recipe) = AvatarSource::of_sample(Sample::Hand).body()?;
-    let (avatar, _) = supple::bake::bake(&body, &recipe, &mut |_| {})?; // once; or bake::read_avatar(file)
+    let (avatar, _) = supple_bake::bake(&body, &recipe, &mut |_| {})?; // once; or bake::read_avatar(file)
     let avatar = Arc::new(avatar);
     let hands = GpuPotential::new(&device, &queue, avatar.clone(), 2, GpuOptions::default())?;
     let mut simulation = Simulation::new(&avatar, hands, Settings::default())?;

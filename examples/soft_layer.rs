@@ -4,11 +4,12 @@
 //! `cargo run --release --example soft_layer -- CHARACTER PICTURE.png [x|y|z [0..1]]`
 
 use std::path::Path;
-use supple::bake::{Mesher, Softness};
-use supple::export::{Camera, Mesh, Plane, View, colour_map, from_srgb, render};
 use supple::glam::DVec3;
-use supple::load::{CharacterOptions, read_character};
-use supple::model::{Body, Surface, TetMesh};
+use supple::model::{Surface, TetMesh};
+use supple_bake::Body;
+use supple_bake::{Mesher, Softness};
+use supple_files::{CharacterOptions, read_character};
+use supple_pictures::{Camera, Mesh, Plane, View, colour_map, from_srgb, raster::render};
 
 fn main() -> supple::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -119,6 +119,14 @@ impl Error {
         }
     }
 
+    /// An [`Error::Invalid`] as one of the file it came from; any other as it is.
+    pub fn of_file(self, path: impl Into<PathBuf>) -> Self {
+        match self {
+            Self::Invalid { field, problem } => Self::format(path, field, problem),
+            other => other,
+        }
+    }
+
     /// An [`Error::Io`] of `path`.
     pub fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
         Self::Io {

@@ -12,7 +12,7 @@
 //!
 //! **A step minimises one incremental potential** (backward Euler). [`sim::Simulation`] predicts, and
 //! its Newton iteration asks [`potential::Potential`] for a batch of energies, gradients and packed
-//! Hessians. Two implementations answer: [`reference::Reference`] in f64 on the CPU, and
+//! Hessians. Two implementations answer: [`reference::CpuPotential`] in f64 on the CPU, and
 //! `stage::GpuPotential` in WGSL on the host's own device. The bones' own energies
 //! ([`skeleton`]) are added in f64, and the small dense system is solved by faer.
 //!
@@ -43,38 +43,23 @@
 //!
 //! SI everywhere: m, kg, s, Pa, rad. Positions are in world space unless a name says unposed (the
 //! GPU's skin buffer alone is relative to `stage::GpuPotential::skin_origin`). A rotation moves by a left increment, R ← exp(\[δω\]) R. Triangles are counter-clockwise from outside.
-#![warn(missing_docs)]
 
-pub mod bake;
-#[cfg(feature = "cli")]
-pub mod cli;
 pub mod collider;
 pub mod error;
-pub mod export;
-#[cfg(feature = "cli")]
-pub mod figures;
+pub mod file;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod load;
+#[doc(hidden)]
+pub mod internal;
 pub mod material;
-pub mod math;
+mod math;
 pub mod model;
-pub mod motion;
 pub mod potential;
-pub mod reference;
-pub mod sample;
+mod random_avatar;
 pub mod sim;
 pub mod skeleton;
-#[cfg(feature = "gpu")]
-pub mod stage;
-pub mod subspace;
 
 pub use error::{Error, GpuError, Result};
 pub use glam;
 #[cfg(feature = "gpu")]
 pub use wgpu;
-
-/// The README's example compiles.
-#[cfg(all(doctest, feature = "gpu"))]
-#[doc = include_str!("../README.md")]
-struct Readme;

@@ -4,12 +4,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use supple::Result;
-use supple::bake::bake;
-use supple::export::Driver;
-use supple::load::read_scene;
-use supple::math::in_pool;
-use supple::reference::Reference;
+use supple::internal::math::in_pool;
+use supple::potential::CpuPotential;
 use supple::sim::{Simulation, StepReport};
+use supple_bake::bake;
+use supple_scene::Driver;
+use supple_scene::read_scene;
 
 /// The system's allocator, counting what all threads ask of it.
 struct Counting;
@@ -55,7 +55,7 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
     let scene = read_scene(path)?;
     let (body, recipe) = scene.avatar.body()?;
     let avatar = Arc::new(bake(&body, &recipe, &mut |_| {})?.0);
-    let potential = Reference::new(avatar.clone(), 1, avatar.skin.len())?;
+    let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
     let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
     let mut driver = Driver::new(&scene, &avatar)?;
     driver.start(&avatar, &mut simulation.instances_mut()[0]);

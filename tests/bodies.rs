@@ -6,20 +6,23 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
-use supple::export::{picture_strip, run_scene, write_glb};
 use supple::glam::{DMat3, DVec3};
-use supple::math::{Random, rotation_exp};
+use supple::internal::math::{Random, rotation_exp};
+use supple::internal::{random_avatar, random_state};
 use supple::model::{Avatar, BoneMass, Frame, RigidBody, pose_feature};
-use supple::reference::Reference;
-use supple::sample::{Limb, random_avatar, random_state};
+use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
+use supple_files::write_glb;
+use supple_pictures::picture_strip;
+use supple_samples::Limb;
+use supple_scene::run_scene;
 
 const BOX: Shape = Shape::Box {
     half_extents: [0.03, 0.02, 0.012],
 };
 
 /// A small limb whose bone is pinned at the origin, with `body` beside it.
-fn beside_a_limb(body: RigidBody, settings: Settings) -> Simulation<Reference> {
+fn beside_a_limb(body: RigidBody, settings: Settings) -> Simulation<CpuPotential> {
     let limb = Limb {
         stations: 4,
         layers: 1,
@@ -28,7 +31,7 @@ fn beside_a_limb(body: RigidBody, settings: Settings) -> Simulation<Reference> {
     };
     let avatar = support::full_space_limb(&limb, 1, true);
     let avatar = Arc::new(avatar.with_bodies([body]).unwrap());
-    let potential = Reference::new(avatar.clone(), 1, 1000).unwrap();
+    let potential = CpuPotential::new(avatar.clone(), 1, 1000).unwrap();
     let mut simulation = Simulation::new(&avatar, potential, settings).unwrap();
     let instance = &mut simulation.instances_mut()[0];
     let frame = instance.state.frames[0];
@@ -101,7 +104,7 @@ fn a_thrown_box_keeps_its_momenta() -> Result<()> {
         instance.gravity = DVec3::ZERO;
         let (velocity, spin) = (DVec3::new(0.4, 1.0, 2.0), DVec3::new(6.0, -3.0, 5.0));
         instance.throw(1, away(), velocity, spin, h);
-        let now = |simulation: &Simulation<Reference>| {
+        let now = |simulation: &Simulation<CpuPotential>| {
             let instance = &simulation.instances()[0];
             let (before, after) = (&instance.previous, &instance.state);
             momenta(&mass, &before.frames[1], &after.frames[1], h)
@@ -224,7 +227,7 @@ fn bodies_leave_the_avatar_as_it_is() -> Result<()> {
         pose_feature(&avatar.skeleton.parents, &alone.frames)
     );
     let posed = |avatar: &Avatar, state| -> Result<Vec<DVec3>> {
-        let potential = Reference::new(Arc::new(avatar.clone()), 1, 100)?;
+        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 100)?;
         let mut simulation = Simulation::new(avatar, potential, Settings::default())?;
         pollster::block_on(supple::potential::Potential::pose_skin(
             simulation.potential_mut(),
@@ -261,7 +264,7 @@ fn unusable_bodies_are_refused_by_name() {
     let body = RigidBody::new(taken, BOX, 800.0).unwrap();
     assert!(avatar.clone().with_bodies([body]).is_err());
     let with = avatar.with_bodies([RigidBody::new("b", BOX, 800.0).unwrap()]);
-    let refused = supple::bake::to_bytes(&with.unwrap(), None).unwrap_err();
+    let refused = supple_bake::to_bytes(&with.unwrap(), None).unwrap_err();
     assert!(refused.to_string().contains("bodies"), "{refused}");
 }
 
@@ -289,7 +292,7 @@ motion = { z = [[0.0, -0.4]] }
 #[test]
 fn a_scene_throws_a_body() -> Result<()> {
     let path = std::path::Path::new("thrown.toml");
-    let scene = supple::load::parse_scene(SCENE, path)?;
+    let scene = supple_scene::parse_scene(SCENE, path)?;
     let bone = support::full_space_limb(&support::SMALL, 1, true);
     let mut avatar = Avatar {
         skeleton: supple::model::Skeleton {
@@ -300,7 +303,7 @@ fn a_scene_throws_a_body() -> Result<()> {
     };
     scene.dress(&mut avatar)?;
     let avatar = Arc::new(avatar);
-    let potential = Reference::new(avatar.clone(), 1, 10_000)?;
+    let potential = CpuPotential::new(avatar.clone(), 1, 10_000)?;
     let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
     let run = run_scene(&scene, &avatar, &mut simulation, &mut |_| {})?;
     let (n, h, g) = (f64::from(30), 0.01, scene.gravity);
@@ -334,7 +337,7 @@ fn a_scene_throws_a_body() -> Result<()> {
             "half-space",
         ),
     ] {
-        let error = supple::load::parse_scene(&SCENE.replace(from, to), path).unwrap_err();
+        let error = supple_scene::parse_scene(&SCENE.replace(from, to), path).unwrap_err();
         assert!(error.to_string().contains(message), "{error}");
     }
     Ok(())

@@ -5,9 +5,10 @@ mod support;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::model::Frame;
-use supple::reference::Reference;
-use supple::sample::Limb;
-use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop, full_space};
+use supple::potential::CpuPotential;
+use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
+use supple_bake::full_space::simulation;
+use supple_samples::Limb;
 
 /// The sphere of 3 cm, its centre at height `z`.
 fn sphere(z: f64) -> Frame {
@@ -18,7 +19,7 @@ fn sphere(z: f64) -> Frame {
 }
 
 /// Mesh S around its pinned bone, under the sphere.
-fn press(time_step: f64, solver: SolverMode) -> Simulation<Reference> {
+fn press(time_step: f64, solver: SolverMode) -> Simulation<CpuPotential> {
     let settings = Settings {
         time_step,
         solver,

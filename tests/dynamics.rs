@@ -6,20 +6,20 @@ use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
-use supple::math::rotation_exp;
+use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame, State};
-use supple::reference::{Reference, mechanics};
-use supple::sample::Limb;
 use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
 use supple::skeleton::{Spring, Tracking};
+use supple::{internal::cpu::mechanics, potential::CpuPotential};
+use supple_samples::Limb;
 
 const CONVERGED: SolverMode = SolverMode::Converged {
     tolerance: 1e-10,
     max_iterations: 100,
 };
 
-fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<Reference> {
-    let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
+fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<CpuPotential> {
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
     Simulation::new(avatar, potential, settings).unwrap()
 }
 
@@ -51,7 +51,7 @@ fn free_flight_keeps_linear_momentum() -> Result<()> {
         let spin = DVec3::new(2.0, 6.0, 7.5);
         assert!((spin.length() - 10.0).abs() < 0.2);
         instance.previous = earlier(&instance.state, DVec3::new(0.5, -0.3, 1.0), spin, 0.01);
-        let momentum = |simulation: &Simulation<Reference>| {
+        let momentum = |simulation: &Simulation<CpuPotential>| {
             let instance = &simulation.instances()[0];
             let (before, after) = (&instance.previous, &instance.state);
             mechanics(&avatar, before, after, 0.01, DVec3::ZERO).momentum

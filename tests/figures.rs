@@ -3,7 +3,7 @@
 
 use std::path::Path;
 use std::sync::LazyLock;
-use supple::figures::{FIGURES, Figure, Size, Studio};
+use supple_lab::{FIGURES, Figure, Size, Studio};
 
 /// One for all: what a figure bakes, the others have.
 static STUDIO: LazyLock<Studio> = LazyLock::new(|| {

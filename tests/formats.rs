@@ -3,11 +3,12 @@
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use supple::Error;
-use supple::export::{write_obj, write_smpl};
 use supple::glam::{DMat3, DVec3};
-use supple::load::{read_closed_obj, read_obj, read_smpl};
-use supple::math::Rows;
-use supple::model::{ParametricModel, SkinWeight, Surface};
+use supple::internal::math::Rows;
+use supple::model::{SkinWeight, Surface};
+use supple_bake::ParametricModel;
+use supple_files::{read_closed_obj, read_obj, read_smpl};
+use supple_files::{write_obj, write_smpl};
 
 /// A tetrahedron with two bones, one shape and nine pose directions.
 fn model() -> ParametricModel {

@@ -1,11 +1,15 @@
 //! A GLB file played back by a reader of its own gives the skin that was simulated.
 
 use supple::collider::Shape;
-use supple::export::{GlbReport, Mesh, Prop, Recording, write_glb};
-use supple::glam::{self, DMat4, DQuat, DVec3, Vec3};
-use supple::math::Rows;
+use supple::internal::math::Rows;
+use supple::internal::{random_avatar, random_state};
 use supple::model::{Avatar, Frame, SkinWeight, State, pose_feature};
-use supple::sample::{random_avatar, random_state};
+use supple::{
+    glam,
+    glam::{DMat4, DQuat, DVec3, Vec3},
+};
+use supple_files::{GlbReport, Prop, Recording, write_glb};
+use supple_pictures::Mesh;
 
 /// States that blend smoothly between a few random ones, as a motion does.
 fn recording(avatar: &Avatar, states: usize) -> Recording {
@@ -223,12 +227,12 @@ fn handles_become_morphs_where_they_fit() {
 #[test]
 fn more_handles_and_blend_shapes_become_a_low_rank_basis() {
     let avatar = random_avatar(8, 6, 100, 20, 400);
-    let report = check(&avatar, 41, supple::export::MORPH_TOLERANCE + ROUNDING);
+    let report = check(&avatar, 41, supple_files::MORPH_TOLERANCE + ROUNDING);
     assert!(!report.per_handle);
     assert!(report.morphs <= 41 && report.morphs >= 2, "{report:?}");
     assert!(report.largest_morph_error > 0.0, "{report:?}");
     assert!(
-        report.largest_morph_error <= supple::export::MORPH_TOLERANCE,
+        report.largest_morph_error <= supple_files::MORPH_TOLERANCE,
         "{report:?}"
     );
 }
@@ -241,7 +245,7 @@ fn any_number_of_influences_is_kept() {
         weight: f64::from(bone + 1) / 28.0,
     };
     avatar.skin.skinning = Rows::from_iter((0..avatar.skin.len()).map(|_| (0..7).map(weight)));
-    let report = check(&avatar, 3, supple::export::MORPH_TOLERANCE + ROUNDING);
+    let report = check(&avatar, 3, supple_files::MORPH_TOLERANCE + ROUNDING);
     assert_eq!(report.influences, 7);
 }
 

@@ -2,14 +2,15 @@
 
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
-use supple::bake::bake;
-use supple::export::{SceneRun, picture_strip, run_scene};
 use supple::glam::DVec3;
-use supple::load::{Scene, read_scene};
 use supple::model::{Avatar, State};
+use supple::potential::CpuPotential;
 use supple::potential::Potential;
-use supple::reference::Reference;
 use supple::sim::Simulation;
+use supple_bake::bake;
+use supple_pictures::picture_strip;
+use supple_scene::{Scene, read_scene};
+use supple_scene::{SceneRun, run_scene};
 
 /// The scene, its hand, and its run on the CPU with every state recorded.
 fn demo() -> &'static (Scene, Arc<Avatar>, SceneRun) {
@@ -19,7 +20,7 @@ fn demo() -> &'static (Scene, Arc<Avatar>, SceneRun) {
         scene.output.record_every = 1;
         let (body, recipe) = scene.avatar.body().unwrap();
         let avatar = Arc::new(bake(&body, &recipe, &mut |_| {}).unwrap().0);
-        let potential = Reference::new(avatar.clone(), 1, avatar.skin.len()).unwrap();
+        let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len()).unwrap();
         let mut simulation = Simulation::new(&avatar, potential, scene.settings).unwrap();
         let run = run_scene(&scene, &avatar, &mut simulation, &mut |_| {}).unwrap();
         (scene, avatar, run)
@@ -53,7 +54,7 @@ fn the_demo_meets_its_bars() {
 }
 
 /// The drawn skin of a state.
-fn skin(reference: &mut Reference, state: &State) -> Vec<DVec3> {
+fn skin(reference: &mut CpuPotential, state: &State) -> Vec<DVec3> {
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     pollster::block_on(reference.pose_skin(std::slice::from_ref(state))).unwrap();
     pollster::block_on(reference.read_skin(0, &mut positions, &mut normals)).unwrap();
@@ -64,7 +65,7 @@ fn skin(reference: &mut Reference, state: &State) -> Vec<DVec3> {
 #[test]
 fn gpu_and_cpu_agree_at_every_step() {
     use supple::gpu::{AdapterChoice, GpuDevice};
-    use supple::stage::{GpuOptions, GpuPotential};
+    use supple::potential::{GpuOptions, GpuPotential};
     const TOLERANCE: f64 = 0.05e-3;
     let (scene, avatar, cpu) = demo();
     let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
@@ -76,7 +77,7 @@ fn gpu_and_cpu_agree_at_every_step() {
     let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options).unwrap();
     let mut simulation = Simulation::new(avatar, potential, scene.settings).unwrap();
     let run = run_scene(scene, avatar, &mut simulation, &mut |_| {}).unwrap();
-    let mut reference = Reference::new(avatar.clone(), 1, 1).unwrap();
+    let mut reference = CpuPotential::new(avatar.clone(), 1, 1).unwrap();
     assert_eq!(run.recording.states.len(), scene.steps + 1);
     let mut worst: f64 = 0.0;
     for (step, (a, b)) in (cpu.recording.states.iter().zip(&run.recording.states)).enumerate() {

@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use supple::bake::mesh::{LatticeSize, MeshQuality, lattice};
 use supple::glam::DVec3;
-use supple::model::{LayerMesh, Surface};
-use supple::sample::hand;
+use supple::model::Surface;
+use supple_bake::LayerMesh;
+use supple_bake::mesh::{LatticeSize, MeshQuality, lattice};
+use supple_samples::hand;
 
 /// A tube with round ends along a path in the xy plane.
 fn tube(path: &[DVec3], radius: f64) -> Surface {

@@ -4,9 +4,9 @@
 
 use std::collections::HashSet;
 use supple::gpu::required_limits;
+use supple::internal::gpu::shared::SHARED_STRUCTS;
+use supple::internal::gpu::{Sources, modules};
 use supple::material::Material;
-use supple::stage::shared::SHARED_STRUCTS;
-use supple::stage::{Sources, modules};
 
 /// Structs that no buffer holds: they live in registers only.
 const LOCAL_STRUCTS: &[&str] = &[

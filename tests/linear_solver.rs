@@ -1,10 +1,11 @@
 //! Both solvers of a Newton step: right to rounding, prescribed DoFs untouched, and a way out of
 //! every failed factorisation.
 
-use supple::math::Random;
+use supple::internal::math::Random;
+use supple::internal::random_avatar;
 use supple::potential::BlockPattern;
-use supple::sample::random_avatar;
-use supple::sim::{DenseCholesky, LinearSolver, SparseCholesky};
+use supple::sim::{DenseCholesky, LinearSolver};
+use supple_bake::SparseCholesky;
 
 /// A pattern of 3 bones and 20 handles that is not full.
 fn pattern() -> BlockPattern {

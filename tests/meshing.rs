@@ -1,13 +1,14 @@
 //! Soft layers for any skin: no inverted tet, whatever the skin is like.
 
 use std::path::{Path, PathBuf};
-use supple::bake::mesh::{LatticeSize, MeshReport, ShellOptions};
-use supple::bake::{CubatureRecipe, HandleRegion, Mesher, Recipe, bake};
 use supple::glam::DVec3;
-use supple::load::read_character;
-use supple::math::Random;
-use supple::model::{Avatar, Body, SkinWeight};
-use supple::sample::{Finger, hand};
+use supple::internal::math::Random;
+use supple::model::{Avatar, SkinWeight};
+use supple_bake::Body;
+use supple_bake::mesh::{LatticeSize, MeshReport, ShellOptions};
+use supple_bake::{CubatureRecipe, HandleRegion, Mesher, Recipe, bake};
+use supple_files::read_character;
+use supple_samples::{Finger, hand};
 
 /// What holds for every layer.
 fn check(body: &Body, report: &MeshReport) {

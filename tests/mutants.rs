@@ -7,8 +7,8 @@ mod kernels;
 use kernels::CHECKS;
 use kernels::input::{avatar, seeds};
 use kernels::scene::{Scene, device};
+use supple::internal::gpu::Sources;
 use supple::material::Material;
-use supple::stage::Sources;
 use supple::{Error, GpuError};
 
 /// (check that must fail, file, text that occurs once, its replacement)

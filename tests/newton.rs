@@ -1,9 +1,9 @@
 //! Newton's control flow on energies whose behaviour is known: how it starts, searches and stops.
 
 use supple::glam::{DMat3, DVec3};
+use supple::internal::random_avatar;
 use supple::model::{Avatar, Space, State};
 use supple::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
-use supple::sample::random_avatar;
 use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
 use supple::{Error, Result};
 

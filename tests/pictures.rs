@@ -1,12 +1,12 @@
 //! What the rasteriser draws.
 
 use supple::collider::Shape;
-use supple::export::{
-    Camera, ColourScale, Legend, Mesh, Panel, Plane, Projection, Strip, View, colour_map,
-    from_srgb, render,
-};
 use supple::glam::{DMat3, DVec3};
 use supple::model::{Frame, Surface};
+use supple_pictures::{
+    Camera, ColourScale, Legend, Mesh, Panel, Plane, Projection, Strip, View, colour_map,
+    from_srgb, raster::render,
+};
 
 /// A torus about z, coloured by height.
 fn torus() -> Mesh {

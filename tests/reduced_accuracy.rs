@@ -2,10 +2,10 @@
 //! whole study is the figure `bone_press`.
 
 use std::sync::Arc;
-use supple::bake::{HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake};
-use supple::figures::press::{Pressed, limb_recipe, press, press_full_space};
 use supple::model::Avatar;
-use supple::sample::Limb;
+use supple_bake::{HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake};
+use supple_lab::{Pressed, limb_recipe, press, press_full_space};
+use supple_samples::Limb;
 
 /// m.
 const DEPTHS: [f64; 4] = [0.0, 0.004, 0.008, 0.012];

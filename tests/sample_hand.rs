@@ -5,8 +5,9 @@ mod surface;
 
 use std::sync::OnceLock;
 use supple::glam::{DMat3, DVec3};
-use supple::model::{ParametricModel, Surface};
-use supple::sample::SampleHand;
+use supple::model::Surface;
+use supple_bake::ParametricModel;
+use supple_samples::SampleHand;
 use surface::{
     Grid, assert_closed_sphere, components, crossing, dense_weights, distance_to_triangle, edges,
     is_manifold, self_intersections, smallest_angle, winding_number,
@@ -17,7 +18,7 @@ const CELL: f64 = 5e-3;
 
 fn hand() -> &'static SampleHand {
     static HAND: OnceLock<SampleHand> = OnceLock::new();
-    HAND.get_or_init(|| supple::sample::hand().expect("the built-in hand is made"))
+    HAND.get_or_init(|| supple_samples::hand().expect("the built-in hand is made"))
 }
 
 fn skin() -> Surface {
@@ -362,7 +363,7 @@ fn the_palmar_side_is_a_sensible_part_of_the_skin() {
 
 #[test]
 fn the_same_hand_comes_out_every_time() {
-    let again = supple::sample::hand().expect("the built-in hand is made");
+    let again = supple_samples::hand().expect("the built-in hand is made");
     assert!(again == *hand());
     // Quantised to a micrometre, so that a last bit of another machine's mathematics does not count.
     let quantised: Vec<u8> = again

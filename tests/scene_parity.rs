@@ -3,16 +3,16 @@
 
 use std::path::Path;
 use std::sync::LazyLock;
-use supple::export::Driver;
-use supple::figures::{Size, Studio};
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::load::Scene;
 use supple::model::Avatar;
+use supple::potential::CpuPotential;
 use supple::potential::Potential;
-use supple::reference::Reference;
+use supple::potential::{GpuOptions, GpuPotential};
 use supple::sim::Simulation;
-use supple::stage::{GpuOptions, GpuPotential};
+use supple_lab::{Size, Studio};
+use supple_scene::Driver;
+use supple_scene::Scene;
 
 /// How far apart the skins may be, m: a third of what is seen at arm's length, and the same as for the demo.
 const TOLERANCE: f64 = 0.05e-3;
@@ -76,7 +76,7 @@ fn agree(name: &str) {
     let scene = STUDIO.scene(name).unwrap();
     let avatar = STUDIO.avatar_of(&scene).unwrap();
     let colliders = scene.collider_count();
-    let reference = Reference::new(avatar.clone(), 1, avatar.skin.len() * colliders).unwrap();
+    let reference = CpuPotential::new(avatar.clone(), 1, avatar.skin.len() * colliders).unwrap();
     let mut cpu = Player::new(&scene, &avatar, reference);
     let options = GpuOptions {
         colliders: colliders.max(1),

@@ -3,8 +3,9 @@
 use std::path::Path;
 use supple::collider::Shape;
 use supple::glam::DVec3;
-use supple::load::{Sample, Scene, parse_scene, read_scene};
 use supple::sim::SolverMode;
+use supple_samples::Sample;
+use supple_scene::{Scene, parse_scene, read_scene};
 
 const FOLDER: &str = "assets/scenes";
 

@@ -1,9 +1,9 @@
 //! Terms of the skeleton against their own definitions.
 
 use supple::glam::DVec3;
-use supple::math::Random;
+use supple::internal::math::Random;
+use supple::internal::random_avatar;
 use supple::model::{Avatar, Frame, pose_feature};
-use supple::sample::random_avatar;
 use supple::skeleton::{BoneInertia, FrameGravity, FrameTerm, TissueMoments};
 
 const BONES: usize = 3;

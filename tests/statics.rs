@@ -7,14 +7,14 @@ use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
-use supple::math::rotation_exp;
+use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame};
-use supple::reference::Reference;
+use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
 use supple::skeleton::Tracking;
 
-fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<Reference> {
-    let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
+fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<CpuPotential> {
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
     Simulation::new(avatar, potential, settings).unwrap()
 }
 
@@ -93,7 +93,7 @@ fn under_gravity_a_captured_shape_stays_and_joints_sag_little() -> Result<()> {
 #[test]
 fn joints_of_a_chain_hold_under_load() -> Result<()> {
     for bones in [2, 5, 10] {
-        let limb = supple::sample::Limb {
+        let limb = supple_samples::Limb {
             stations: 2 * bones,
             layers: 1,
             sectors: 4,

@@ -5,9 +5,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use supple::Error;
 use supple::glam::DVec3;
-use supple::load::{TetFile, parse_tets, read_tets};
-use supple::math::Rows;
-use supple::model::{Body, LayerMesh, PoseBlend, Skeleton, SkinWeight, Surface};
+use supple::internal::math::Rows;
+use supple::model::{PoseBlend, Skeleton, SkinWeight, Surface};
+use supple_bake::{Body, LayerMesh};
+use supple_files::{TetFile, parse_tets, read_tets};
 
 const NESTED: [&str; 6] = [
     "nested_text_2_2.msh",

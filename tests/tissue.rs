@@ -1,9 +1,12 @@
 //! What a bake gives each point of the tissue: axes that follow the body, and a stiffness by region.
 
-use supple::bake::{Recipe, StiffnessRegion, all_tets, bake, from_bytes, full_space, to_bytes};
 use supple::glam::{DMat3, DVec3};
-use supple::model::{Avatar, Body};
-use supple::sample::Limb;
+use supple::model::Avatar;
+use supple_bake::Body;
+use supple_bake::{
+    Recipe, StiffnessRegion, all_tets, bake, from_bytes, full_space::spaces, to_bytes,
+};
+use supple_samples::Limb;
 
 fn limb() -> Body {
     let mut body = Limb::S.body().unwrap();

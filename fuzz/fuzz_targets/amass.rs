@@ -5,5 +5,5 @@ use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = supple::load::motion::parse_amass(bytes, Path::new("fuzz"));
+    let _ = supple_files::parse_amass(bytes, Path::new("fuzz"));
 });

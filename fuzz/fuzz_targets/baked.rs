@@ -10,5 +10,5 @@ fuzz_target!(|bytes: &[u8]| {
     let length = (bytes.len() as u64).to_le_bytes();
     let sum = crc32fast::hash(&[&version[..], &length, bytes].concat()).to_le_bytes();
     let file = [&b"SUPPLE\r\n"[..], &version, &sum, &length, bytes].concat();
-    let _ = supple::bake::from_bytes(&file, Path::new("fuzz"));
+    let _ = supple_bake::from_bytes(&file, Path::new("fuzz"));
 });

@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
-use supple::load::motion::{BvhOptions, parse_bvh};
+use supple_files::{BvhOptions, parse_bvh};
 
 fuzz_target!(|bytes: &[u8]| {
     let text = String::from_utf8_lossy(bytes);

@@ -4,8 +4,8 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(character) = supple::load::parse_gltf(bytes, "nowhere/fuzz") {
+    if let Ok(character) = supple_files::parse_gltf(bytes, "nowhere/fuzz") {
         let _ = character.body(&[0.5]);
     }
-    let _ = supple::load::parse_gltf_motions(bytes, "nowhere/fuzz");
+    let _ = supple_files::parse_gltf_motions(bytes, "nowhere/fuzz");
 });

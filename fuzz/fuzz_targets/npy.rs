@@ -5,7 +5,7 @@ use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = supple::load::motion::parse_amass(&archive("poses.npy", bytes), Path::new("fuzz"));
+    let _ = supple_files::parse_amass(&archive("poses.npy", bytes), Path::new("fuzz"));
 });
 
 /// A zip archive of one member that is stored as it is: local header, member, directory, its end.

@@ -6,6 +6,6 @@ use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(text) = std::str::from_utf8(bytes) {
-        let _ = supple::load::motion::parse_pose(text, Path::new("fuzz"));
+        let _ = supple_files::parse_pose(text, Path::new("fuzz"));
     }
 });

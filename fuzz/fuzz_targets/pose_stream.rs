@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use supple::load::motion::PoseReader;
+use supple_files::PoseReader;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut reader = PoseReader::new(bytes, "fuzz");

@@ -6,7 +6,7 @@ use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(text) = std::str::from_utf8(bytes) {
-        let _ = supple::load::parse_scene(text, Path::new("fuzz"));
-        let _ = supple::load::parse_avatar_source(text, Path::new("fuzz"));
+        let _ = supple_scene::parse_scene(text, Path::new("fuzz"));
+        let _ = supple_scene::parse_avatar_source(text, Path::new("fuzz"));
     }
 });

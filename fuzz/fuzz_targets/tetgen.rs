@@ -7,5 +7,5 @@ use std::path::Path;
 fuzz_target!(|bytes: &[u8]| {
     let mut files = bytes.split(|b| *b == b'%');
     let [nodes, tets, faces] = [(); 3].map(|()| files.next().unwrap_or_default());
-    let _ = supple::load::parse_tetgen(nodes, tets, Some(faces), Path::new("fuzz"));
+    let _ = supple_files::parse_tetgen(nodes, tets, Some(faces), Path::new("fuzz"));
 });

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(file) = supple::load::parse_tets(bytes, Path::new("fuzz")) {
+    if let Ok(file) = supple_files::parse_tets(bytes, Path::new("fuzz")) {
         let _ = file.body("fuzz", &BTreeMap::new());
         let _ = file.layer(&["wrist".into()], &BTreeMap::new());
     }

@@ -10,12 +10,12 @@ impl Shape {
     /// Second moments about the shape's own origin, for a `density` in kg/m³.
     ///
     /// # Errors
-    /// [`Error::Invalid`] of a half-space: it has no mass; of a mesh that was not read.
+    /// [`Error::Invalid`] of a half-space: it has no mass.
     pub fn mass(&self, density: f64) -> Result<BoneMass> {
         Ok(match *self {
             Self::HalfSpace => return Err(no_solid()),
             Self::Mesh(ref mesh) => {
-                BoneMass::of_surface(mesh.grid()?.surface(), DVec3::ZERO, density)
+                BoneMass::of_surface(mesh.grid().surface(), DVec3::ZERO, density)
             }
             Self::Sphere { radius } => ball(radius, density),
             // Across a disc ⟨x²⟩ = r²/4, along the axis ⟨z²⟩ = l²/3.

@@ -7,20 +7,22 @@
 //! n is the exact gradient of that interpolant and no unit vector: its length is 1 up to the same error. Contact
 //! needs the gradient, since E = ½ k a (d̂ − d)₊² pushes with −∂E/∂x = k a (d̂ − d)₊ ∇d, whatever ∇d's length; made a
 //! unit vector it would be the gradient of no energy. Only friction needs a plane: it takes ∇d/|∇d|, and λ is
-//! the length of the push ([`crate::reference::compact::lag`]). Both twins do the same.
+//! the length of the push ([`crate::potential::cpu::compact::lag`]). Both twins do the same.
 
-use super::SignedDistance;
+use super::{Shape, SignedDistance};
 use crate::math::par_map;
 use crate::model::Surface;
+#[cfg(feature = "mesh-colliders")]
 use crate::{Error, Result};
 use glam::{DMat3, DVec3, IVec3};
-use parry3d_f64::math::Vector;
-use parry3d_f64::query::PointQuery;
-use parry3d_f64::shape::{TriMesh, TriMeshFlags};
-use serde::{Deserialize, Serialize};
+#[cfg(feature = "mesh-colliders")]
+use parry3d_f64::{
+    math::Vector,
+    query::PointQuery,
+    shape::{TriMesh, TriMeshFlags},
+};
 use std::fmt;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Nodes of a grid along each axis: 432 KiB a mesh.
 pub const MESH_NODES: usize = 48;
@@ -28,15 +30,9 @@ pub const MESH_NODES: usize = 48;
 /// Cells between the mesh and the grid's border.
 const BORDER: f64 = 4.0;
 
-/// A mesh as a collider's shape: of a surface, or of a file that a scene names.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MeshShape {
-    /// An OBJ file whose objects are closed surfaces; empty where the surface was given.
-    pub file: PathBuf,
-    #[serde(skip)]
-    grid: Option<Arc<DistanceGrid>>,
-}
+/// A closed triangle mesh as a collider's shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshShape(Arc<DistanceGrid>);
 
 /// A closed surface and its signed distance at the nodes of a grid.
 #[derive(Clone, PartialEq)]
@@ -58,53 +54,31 @@ impl fmt::Debug for DistanceGrid {
 }
 
 impl MeshShape {
-    /// The solid inside `surface`.
+    /// The solid inside a closed `surface`, triangles counter-clockwise from outside.
     ///
     /// # Errors
-    /// As [`DistanceGrid::new`].
+    /// [`Error::Invalid`] of a surface that is empty, open, inside out or not finite.
+    #[cfg(feature = "mesh-colliders")]
     pub fn new(surface: &Surface) -> Result<Self> {
-        Ok(Self {
-            file: PathBuf::new(),
-            grid: Some(Arc::new(DistanceGrid::new(surface)?)),
-        })
+        Ok(Self(Arc::new(DistanceGrid::new(surface)?)))
     }
 
-    /// The solid that a scene's file holds; it keeps the file's name.
-    pub(crate) fn with_surface(&self, path: &Path, surface: &Surface) -> Result<Self> {
-        Ok(Self {
-            file: path.into(),
-            ..Self::new(surface)?
-        })
+    /// A wedge: flat sides, sharp and blunt edges, no symmetry.
+    pub(super) fn example() -> Self {
+        static WEDGE: LazyLock<MeshShape> = LazyLock::new(|| {
+            let block = Shape::Box {
+                half_extents: [0.03, 0.02, 0.015],
+            };
+            let mut surface = block.sampled(150).unwrap_or_default();
+            (surface.positions.iter_mut()).for_each(|p| p.z *= 1.0 - 15.0 * p.x);
+            MeshShape(Arc::new(DistanceGrid::of_wedge(surface)))
+        });
+        WEDGE.clone()
     }
 
     /// Its distances.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] of a file that was not read: [`crate::load::read_scene`] reads it.
-    pub fn grid(&self) -> Result<&Arc<DistanceGrid>> {
-        self.grid.as_ref().ok_or_else(|| {
-            let problem = format!(
-                "{} was not read: load::read_scene reads a scene's meshes, load::parse_scene opens no file, and \
-                 MeshShape::new takes a surface",
-                self.file.display()
-            );
-            Error::invalid("collider.shape.file", problem)
-        })
-    }
-
-    pub(super) fn signed_distance(&self, point: DVec3) -> SignedDistance {
-        match &self.grid {
-            Some(grid) => grid.signed_distance(point),
-            // Refused before any step.
-            None => SignedDistance {
-                distance: f64::MAX,
-                normal: DVec3::Z,
-            },
-        }
-    }
-
-    pub(super) fn curvature(&self, point: DVec3) -> DMat3 {
-        (self.grid.as_ref()).map_or(DMat3::ZERO, |grid| grid.curvature(point))
+    pub fn grid(&self) -> &Arc<DistanceGrid> {
+        &self.0
     }
 }
 
@@ -119,11 +93,8 @@ struct Cell {
 }
 
 impl DistanceGrid {
-    /// Samples the signed distance from a closed `surface`, triangles counter-clockwise from outside.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] of a surface that is empty, open, inside out or not finite.
-    pub fn new(surface: &Surface) -> Result<Self> {
+    #[cfg(feature = "mesh-colliders")]
+    fn new(surface: &Surface) -> Result<Self> {
         let refuse = |problem: &str| Err(Error::invalid("collider.shape.mesh", problem));
         let count = surface.positions.len() as u32;
         if surface.triangles.is_empty() {
@@ -146,6 +117,34 @@ impl DistanceGrid {
         // Without orientation nothing would be inside.
         let mesh = TriMesh::with_flags(places, triangles, TriMeshFlags::ORIENTED)
             .map_err(|e| Error::invalid("collider.shape.mesh", e.to_string()))?;
+        let distance = |place: DVec3| {
+            let p = vector(&place);
+            let nearest = mesh.project_local_point(p, false);
+            let length = (nearest.point - p).length();
+            if nearest.is_inside { -length } else { length }
+        };
+        Ok(Self::sampled(surface.clone(), distance))
+    }
+
+    /// [`MeshShape::example`]'s: with parry where it is there, and without it the largest of the planes' distances,
+    /// which is the same but outside of edges and corners.
+    fn of_wedge(surface: Surface) -> Self {
+        #[cfg(feature = "mesh-colliders")]
+        if let Ok(grid) = Self::new(&surface) {
+            return grid;
+        }
+        let planes: Vec<_> = (surface.triangles.iter())
+            .map(|t| {
+                let [a, b, c] = t.map(|v| surface.positions[v as usize]);
+                (a, (b - a).cross(c - a).normalize())
+            })
+            .collect();
+        let beyond = |p: DVec3| planes.iter().map(move |(a, n)| n.dot(p - *a));
+        Self::sampled(surface, |p| beyond(p).fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    /// `distance` at the nodes of a grid around `surface`.
+    fn sampled(surface: Surface, distance: impl Fn(DVec3) -> f64 + Sync) -> Self {
         let (least, most) = surface.bounds();
         let cells = MESH_NODES as f64 - 1.0;
         // A flat side still gets cells of a tenth of the longest one's.
@@ -157,20 +156,14 @@ impl DistanceGrid {
         let slice = |z: usize| -> Vec<f32> {
             let node =
                 |i: usize| low + spacing * DVec3::new((i % n) as f64, (i / n) as f64, z as f64);
-            let distance = |i: usize| {
-                let p = vector(&node(i));
-                let nearest = mesh.project_local_point(p, false);
-                let length = (nearest.point - p).length();
-                (if nearest.is_inside { -length } else { length }) as f32
-            };
-            (0..n * n).map(distance).collect()
+            (0..n * n).map(|i| distance(node(i)) as f32).collect()
         };
-        Ok(Self {
-            surface: surface.clone(),
+        Self {
+            surface,
             low,
             spacing,
             values: par_map(n, slice).concat(),
-        })
+        }
     }
 
     /// The mesh.
@@ -210,7 +203,7 @@ impl DistanceGrid {
     }
 
     /// d = Σ over corners of d_c Π_k (t_k or 1 − t_k), and its gradient.
-    fn signed_distance(&self, point: DVec3) -> SignedDistance {
+    pub(super) fn signed_distance(&self, point: DVec3) -> SignedDistance {
         let cell = self.cell(point);
         let slope = DVec3::from_array([0, 1, 2].map(|k| cell.sum(&[k]))) / self.spacing;
         let beyond = cell.beyond.length();
@@ -230,7 +223,7 @@ impl DistanceGrid {
 
     /// ∇²d: trilinear functions bend in mixed directions only, and beyond the grid the distance from its
     /// border bends as that from a face, an edge or a corner does.
-    fn curvature(&self, point: DVec3) -> DMat3 {
+    pub(super) fn curvature(&self, point: DVec3) -> DMat3 {
         let cell = self.cell(point);
         let inside = |k: usize| cell.beyond[k] == 0.0;
         let mixed = |i: usize, k: usize| match inside(i) && inside(k) {
@@ -266,10 +259,9 @@ impl Cell {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "mesh-colliders"))]
 mod tests {
     use super::*;
-    use crate::collider::Shape;
     use crate::math::Random;
 
     #[test]
@@ -311,7 +303,5 @@ mod tests {
         );
         assert!(fails(|s| s.positions[0].x = f64::NAN).contains("not finite"));
         assert!(fails(|s| s.triangles[0][0] = 9999).contains("not there"));
-        let unread: MeshShape = toml::from_str("file = \"a.obj\"").unwrap();
-        assert!(unread.grid().unwrap_err().to_string().contains("a.obj"));
     }
 }

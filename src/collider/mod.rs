@@ -15,12 +15,9 @@ pub use mesh::{DistanceGrid, MESH_NODES, MeshShape};
 use crate::model::Frame;
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
-use serde::{Deserialize, Serialize};
-use std::sync::LazyLock;
 
 /// The shape of a collider, in its own frame, m. A new shape is one file, its kernel, and its lines here.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "shape", rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// The solid below the plane z = 0.
     HalfSpace,
@@ -79,7 +76,7 @@ impl Shape {
             Self::Box {
                 half_extents: [0.02, 0.03, 0.01],
             },
-            Self::Mesh(example_mesh()),
+            Self::Mesh(MeshShape::example()),
         ]
     }
 
@@ -99,10 +96,7 @@ impl Shape {
     pub fn parameters(&self) -> [f32; 4] {
         match *self {
             Self::HalfSpace => [0.0; 4],
-            Self::Mesh(ref mesh) => {
-                let spacing = mesh.grid().map_or(DVec3::ONE, |grid| grid.spacing());
-                spacing.as_vec3().extend(0.0).to_array()
-            }
+            Self::Mesh(ref mesh) => mesh.grid().spacing().as_vec3().extend(0.0).to_array(),
             Self::Sphere { radius } => [radius as f32, 0.0, 0.0, 0.0],
             Self::Capsule {
                 radius,
@@ -146,7 +140,7 @@ impl Shape {
             Self::Box { half_extents } => {
                 r#box::signed_distance(DVec3::from_array(half_extents), point)
             }
-            Self::Mesh(ref mesh) => mesh.signed_distance(point),
+            Self::Mesh(ref mesh) => mesh.grid().signed_distance(point),
         }
     }
 
@@ -161,15 +155,15 @@ impl Shape {
                 half_length,
             } => cylinder::curvature(radius, half_length, point),
             Self::Box { half_extents } => r#box::curvature(DVec3::from_array(half_extents), point),
-            Self::Mesh(ref mesh) => mesh.curvature(point),
+            Self::Mesh(ref mesh) => mesh.grid().curvature(point),
         }
     }
 
     /// Checks the sizes.
     pub fn validate(&self) -> Result<()> {
         let sizes: &[(&str, f64)] = match self {
-            Self::HalfSpace => &[],
-            Self::Mesh(mesh) => return mesh.grid().map(drop),
+            // A mesh was checked when it was made.
+            Self::HalfSpace | Self::Mesh(_) => &[],
             Self::Sphere { radius } => &[("collider.shape.radius", *radius)],
             Self::Capsule {
                 radius,
@@ -313,19 +307,6 @@ impl Collider {
         }
         Ok(())
     }
-}
-
-/// A wedge: flat sides, sharp and blunt edges, no symmetry.
-fn example_mesh() -> MeshShape {
-    static MESH: LazyLock<MeshShape> = LazyLock::new(|| {
-        let block = Shape::Box {
-            half_extents: [0.03, 0.02, 0.015],
-        };
-        let mut surface = block.sampled(150).unwrap_or_default();
-        (surface.positions.iter_mut()).for_each(|p| p.z *= 1.0 - 15.0 * p.x);
-        MeshShape::new(&surface).unwrap_or_default()
-    });
-    MESH.clone()
 }
 
 fn positive(field: &str, value: f64, unit: &str) -> Result<()> {

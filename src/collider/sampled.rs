@@ -20,14 +20,14 @@ impl Shape {
     /// The closed surface with about `vertices` vertices, all of them on it and evenly spread; a mesh's own.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] of a half-space: it has no bounds; of a mesh that was not read.
+    /// [`crate::Error::Invalid`] of a half-space: it has no bounds.
     pub fn sampled(&self, vertices: usize) -> Result<Surface> {
         // A vertex stands for about the square of its distance from the next one.
         let spacing = |area: f64| (area / vertices.max(8) as f64).sqrt();
         let steps = |length: f64, spacing: f64| (length / spacing).round().max(1.0) as u32;
         Ok(match *self {
             Self::HalfSpace => return Err(no_solid()),
-            Self::Mesh(ref mesh) => mesh.grid()?.surface().clone(),
+            Self::Mesh(ref mesh) => mesh.grid().surface().clone(),
             Self::Sphere { radius } => {
                 let s = spacing(4.0 * PI * radius * radius);
                 rings(&dome(radius, 0.0, steps(radius * FRAC_PI_2, s).max(2)), 0)

@@ -1,10 +1,9 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
-use super::{
-    BoneMass, DrawnPart, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh,
-};
+use super::{BoneMass, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh};
 use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;
+use crate::model::DrawnPart;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};

@@ -49,7 +49,7 @@ impl BoneMass {
     }
 
     /// S += m (p, w)(p, w)ᵀ.
-    pub(crate) fn add_point(&mut self, p: DVec3, w: f64, m: f64) {
+    pub fn add_point(&mut self, p: DVec3, w: f64, m: f64) {
         let y = p.extend(w).to_array();
         for i in 0..4 {
             for j in 0..4 {

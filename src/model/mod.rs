@@ -1,13 +1,10 @@
 //! What an avatar is: plain data, no algorithms beyond its own geometry.
 
-mod attachment;
 mod avatar;
-mod body;
 mod bone_mass;
+mod drawn_part;
 mod frame;
 mod joint_range;
-mod motion_clip;
-mod parametric;
 mod points;
 mod rigid_body;
 mod skeleton;
@@ -15,14 +12,11 @@ mod state;
 mod surface;
 mod tet_mesh;
 
-pub use attachment::{Attachment, DrawnPart};
 pub use avatar::{Avatar, SoftLayer};
-pub use body::{Body, LayerMesh};
 pub use bone_mass::BoneMass;
+pub use drawn_part::DrawnPart;
 pub use frame::Frame;
 pub use joint_range::JointRange;
-pub use motion_clip::{MotionClip, MotionFrame, UpAxis};
-pub use parametric::ParametricModel;
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
 pub use rigid_body::RigidBody;
 pub use skeleton::{Skeleton, pose_feature, pose_feature_into, pose_features};

@@ -2,10 +2,16 @@
 //!
 //! `E(q) = E_inertia + E_gravity + E_elastic + E_damping + E_contact + E_friction` of the tissue. The bones' own
 //! terms are in [`crate::skeleton`]. Two implementations: the f64 evaluation in
-//! [`crate::reference`](mod@crate::reference) and the WGSL kernels in `stage`.
+//! [`crate::potential::cpu`](mod@crate::potential::cpu) and the WGSL kernels in `stage`.
 
+pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 mod pattern;
 
+pub use cpu::CpuPotential;
+#[cfg(feature = "gpu")]
+pub use gpu::{GpuOptions, GpuPotential};
 pub use pattern::{BlockPattern, point_blocks};
 
 use crate::collider::Collider;
@@ -29,7 +35,7 @@ pub struct StepStart<'a> {
     pub colliders: &'a [Collider],
     /// Gravity on the tissue's displacement, m/s²; zero where the rest shape already sags.
     pub tissue_gravity: DVec3,
-    /// ε_v, m/s: friction holds against slower slip only in part, see [`crate::reference::friction`].
+    /// ε_v, m/s: friction holds against slower slip only in part, see [`crate::potential::cpu::friction`].
     pub slip_speed: f64,
     /// Whether evaluations hold the geometric terms of contact as well.
     pub geometric_contact: bool,
@@ -93,7 +99,7 @@ pub struct Evaluation {
     pub gradient: Vec<f64>,
     /// The solver's Hessian: the blocks of [`BlockPattern`] in order, each 3×3 column by column.
     pub hessian: Vec<[f64; 9]>,
-    /// Σ f · ∂²z/∂q² of the contacts in the same blocks, see [`crate::reference::geometric`]; empty where the step
+    /// Σ f · ∂²z/∂q² of the contacts in the same blocks, see [`crate::potential::cpu::geometric`]; empty where the step
     /// did not ask for it or [`Evaluation::hessian`] has it already.
     pub geometric: Vec<[f64; 9]>,
     /// Sum of the contact and friction forces on the skin, N, in world axes.

@@ -45,7 +45,7 @@ pub trait LinearSolver {
 }
 
 /// `out = H x + y` with the packed lower triangle.
-pub(super) fn multiply_add(
+pub fn multiply_add(
     pattern: &BlockPattern,
     hessian: &[[f64; 9]],
     x: &[f64],
@@ -79,7 +79,7 @@ pub(super) fn multiply_add(
 
 /// The scaling d with d_i² H_ii = 1, which brings springs of 1e6 N/m and handles of a few N/m to one
 /// size. Fixed DoFs, and diagonals that are not positive (the factorisation will say so), keep 1.
-pub(super) fn diagonal_scaling(
+pub fn diagonal_scaling(
     pattern: &BlockPattern,
     hessian: &[[f64; 9]],
     fixed: &[bool],
@@ -104,7 +104,7 @@ pub(super) fn diagonal_scaling(
 const DIAGONAL_SHIFTS: [f64; 7] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 0.1, 1.0];
 
 /// |D r| over the free DoFs.
-pub(super) fn scaled_norm(r: &[f64], scaling: &[f64], fixed: &[bool]) -> f64 {
+pub fn scaled_norm(r: &[f64], scaling: &[f64], fixed: &[bool]) -> f64 {
     let squares = r.iter().zip(scaling).zip(fixed);
     squares
         .map(|((r, d), fixed)| if *fixed { 0.0 } else { (r * d).powi(2) })

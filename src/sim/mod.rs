@@ -2,23 +2,19 @@
 
 mod dense_cholesky;
 mod energy;
-mod full_space;
 mod instance;
 mod line_search;
-mod linear_solver;
+pub(crate) mod linear_solver;
 mod newton;
 mod prediction;
 mod report;
 mod settings;
 mod simulation;
-mod sparse_cholesky;
 
 pub use dense_cholesky::DenseCholesky;
 pub use energy::EnergyBalance;
-pub use full_space::full_space;
 pub use instance::{Instance, Pin};
 pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};
 pub use settings::{LARGEST_JOINT_STIFFNESS, Settings, SolverMode};
 pub use simulation::Simulation;
-pub use sparse_cholesky::SparseCholesky;

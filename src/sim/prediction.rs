@@ -45,7 +45,7 @@ mod tests {
     use super::*;
     use crate::math::Random;
     use crate::model::Frame;
-    use crate::sample::random_avatar;
+    use crate::random_avatar::random_avatar;
     use crate::sim::{Pin, Settings};
     use crate::skeleton::joint_gap;
     use glam::DVec3;

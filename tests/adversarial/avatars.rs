@@ -1,11 +1,11 @@
 //! Who is caught in a storm.
 
 use std::sync::OnceLock;
-use supple::bake::{CubatureRecipe, HandleRegion, Recipe, bake};
 use supple::collider::Shape;
 use supple::glam::{DMat3, DVec3};
 use supple::model::{Avatar, Frame, JointRange, RigidBody};
-use supple::sample::Finger;
+use supple_bake::{CubatureRecipe, HandleRegion, Recipe, bake};
+use supple_samples::Finger;
 
 /// A coarse finger: three bones, 16 handles.
 pub fn finger() -> &'static Avatar {

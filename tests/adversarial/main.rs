@@ -14,9 +14,9 @@ use supple::Error;
 use supple::glam::DVec3;
 use supple::model::Avatar;
 use supple::potential::Potential;
-use supple::reference::{Reference, min_det_f};
 use supple::sim::{Settings, Simulation, SolverMode};
 use supple::skeleton::{Spring, Tracking};
+use supple::{internal::cpu::min_det_f, potential::CpuPotential};
 
 fn modes() -> [SolverMode; 3] {
     [
@@ -37,8 +37,8 @@ fn settings(solver: SolverMode) -> Settings {
     }
 }
 
-fn cpu(avatar: &Arc<Avatar>, solver: SolverMode) -> Simulation<Reference> {
-    let potential = Reference::new(avatar.clone(), 1, 5 * avatar.skin.len()).unwrap();
+fn cpu(avatar: &Arc<Avatar>, solver: SolverMode) -> Simulation<CpuPotential> {
+    let potential = CpuPotential::new(avatar.clone(), 1, 5 * avatar.skin.len()).unwrap();
     Simulation::new(avatar, potential, settings(solver)).unwrap()
 }
 
@@ -147,7 +147,7 @@ fn survives(seeds: Range<u64>, storm: fn(u64, &'static Severity) -> Storm) {
 fn a_gpu_recovers_too_and_survives() {
     use supple::GpuError;
     use supple::gpu::{AdapterChoice, GpuDevice};
-    use supple::stage::{GpuOptions, GpuPotential};
+    use supple::potential::{GpuOptions, GpuPotential};
     let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
         "GPU tests need an adapter and never skip: install a Vulkan driver, for example the package \
          mesa-vulkan-drivers",

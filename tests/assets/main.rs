@@ -10,9 +10,11 @@ mod shake;
 use shake::{Shake, shake};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use supple::bake::{BakeReport, Recipe, bake};
-use supple::load::{AvatarSource, Sample, avatar_source_of};
-use supple::model::{Avatar, Body};
+use supple::model::Avatar;
+use supple_bake::Body;
+use supple_bake::{BakeReport, Recipe, bake};
+use supple_samples::Sample;
+use supple_scene::{AvatarSource, avatar_source_of};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets");
 

@@ -4,11 +4,11 @@ use crate::evaluation::{Evaluation, local_rest};
 use std::path::Path;
 use std::sync::Arc;
 use supple::glam::{DMat3, DMat4, DQuat, DVec3};
-use supple::load::{CharacterOptions, read_character, read_gltf, read_smpl};
-use supple::math::Random;
+use supple::internal::math::Random;
 use supple::model::{Avatar, Frame};
-use supple::reference::Reference;
+use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation};
+use supple_files::{CharacterOptions, read_character, read_gltf, read_smpl};
 
 /// The largest distance of a vertex of the avatar, after steps in a pose of the file at `path`, from where the
 /// file's own skinning has it, m.
@@ -100,7 +100,7 @@ fn of_smpl(path: &Path, avatar: &Avatar) -> f64 {
 /// The drawn skin after some steps under gravity with the bones held at `frames`.
 fn held(avatar: &Avatar, frames: &[Frame]) -> Vec<DVec3> {
     let avatar = Arc::new(avatar.clone());
-    let potential = Reference::new(avatar.clone(), 1, 0).unwrap();
+    let potential = CpuPotential::new(avatar.clone(), 1, 0).unwrap();
     let mut simulation = Simulation::new(&avatar, potential, Settings::default()).unwrap();
     let instance = &mut simulation.instances_mut()[0];
     instance.pose(frames, &avatar.skeleton.parents);

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use supple::glam::DVec3;
+use supple::internal::cpu::displacement::unposed_displacement;
 use supple::model::Avatar;
-use supple::reference::displacement::unposed_displacement;
-use supple::reference::{Reference, min_det_f};
 use supple::sim::{Pin, Settings, Simulation};
+use supple::{internal::cpu::min_det_f, potential::CpuPotential};
 
 /// What else moves.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ pub struct Shaken {
 pub fn shake(avatar: &Avatar, how: Shake) -> Shaken {
     const STEPS: usize = 200;
     let avatar = Arc::new(avatar.clone());
-    let potential = Reference::new(avatar.clone(), 1, 0).unwrap();
+    let potential = CpuPotential::new(avatar.clone(), 1, 0).unwrap();
     let settings = Settings::default();
     let mut simulation = Simulation::new(&avatar, potential, settings).unwrap();
     let rest = avatar.rest_state();

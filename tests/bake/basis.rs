@@ -2,9 +2,9 @@
 
 use super::{TINY, baked, recipe, untruncated};
 use glam::DVec3;
-use supple::bake::{HandlePlace, HandleRegion, Recipe, all_tets, bake, full_space};
 use supple::model::{Avatar, PointSet};
-use supple::sample::Limb;
+use supple_bake::{HandlePlace, HandleRegion, Recipe, all_tets, bake, full_space::spaces};
+use supple_samples::Limb;
 
 /// ∇(Σ_h U_h f(X_h)) and Σ_h U_h f(X_h) at a point, for the linear f with gradient `direction`.
 fn interpolated(avatar: &Avatar, points: &PointSet, i: usize, direction: DVec3) -> (f64, DVec3) {

@@ -2,11 +2,11 @@
 
 use super::{baked, recipe};
 use glam::{DMat3, DVec3};
-use supple::bake::{HandlePlace, Recipe, StiffnessRegion, all_tets};
 use supple::glam;
-use supple::math::Random;
+use supple::internal::math::Random;
 use supple::model::Avatar;
-use supple::sample::Limb;
+use supple_bake::{HandlePlace, Recipe, StiffnessRegion, all_tets};
+use supple_samples::Limb;
 
 /// ½ Σ_i w_i s_i |Σ_h φ_h ∇U_hᵀ|², with the weights and points of `avatar` and the stiffness s of `map`'s points.
 fn energy(avatar: &Avatar, map: &Avatar, phi: &[DVec3]) -> f64 {

@@ -2,9 +2,9 @@
 
 use super::recipe;
 use glam::DVec3;
-use supple::bake::{HandlePlace, HandleRegion, Recipe, bake};
-use supple::model::Body;
-use supple::sample::Limb;
+use supple_bake::Body;
+use supple_bake::{HandlePlace, HandleRegion, Recipe, bake};
+use supple_samples::Limb;
 
 #[test]
 fn bad_recipes_and_bodies_are_typed_errors() {

@@ -3,13 +3,13 @@
 use super::{TINY, baked, recipe};
 use std::path::Path;
 use supple::Error;
-use supple::bake::{
-    BakeCost, BakeReport, HandlePlace, bake, from_bytes, read_avatar, read_baked, to_bytes,
-    write_avatar, write_baked,
-};
-use supple::math::Random;
+use supple::file::{read_avatar, write_avatar};
+use supple::internal::math::Random;
 use supple::model::Avatar;
-use supple::sample::Limb;
+use supple_bake::{
+    BakeCost, BakeReport, HandlePlace, bake, from_bytes, read_baked, to_bytes, write_baked,
+};
+use supple_samples::Limb;
 
 fn tiny() -> (Avatar, BakeReport) {
     let recipe = recipe(HandlePlace::Skin, 8);

@@ -2,9 +2,10 @@
 
 use super::{baked, recipe};
 use glam::DVec3;
-use supple::bake::{HandlePlace, all_tets, full_space};
-use supple::model::{Body, PoseBlend, SkinWeight};
-use supple::sample::Finger;
+use supple::model::{PoseBlend, SkinWeight};
+use supple_bake::Body;
+use supple_bake::{HandlePlace, all_tets, full_space::spaces};
+use supple_samples::Finger;
 
 /// A finger of three bones whose pose directions are smooth over its skin.
 fn blended_finger() -> Body {

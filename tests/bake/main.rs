@@ -7,9 +7,10 @@ mod file;
 mod interior;
 mod large;
 
-use supple::bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake};
-use supple::model::{Avatar, Body};
-use supple::sample::Limb;
+use supple::model::Avatar;
+use supple_bake::Body;
+use supple_bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake};
+use supple_samples::Limb;
 
 /// A limb small enough for a file of a few kilobytes.
 const TINY: Limb = Limb {

@@ -2,10 +2,11 @@
 
 use super::{bad, folder, good};
 use std::path::Path;
-use supple::export::{write_painted, write_smpl};
 use supple::glam::DVec3;
-use supple::math::Rows;
-use supple::model::{ParametricModel, SkinWeight};
+use supple::internal::math::Rows;
+use supple::model::SkinWeight;
+use supple_bake::ParametricModel;
+use supple_files::{write_painted, write_smpl};
 
 #[test]
 fn bakes_are_the_same_and_can_be_inspected() {

@@ -18,7 +18,7 @@ fn adapters_are_listed() {
 fn figures_are_listed_and_found_by_name() {
     let folder = folder();
     let listed = good(folder.path(), &["figures", "--list"]);
-    for figure in supple::figures::FIGURES {
+    for figure in supple_lab::FIGURES {
         assert!(listed.contains(figure.name) && listed.contains(figure.title));
     }
     let unknown = ["figures", "--only", "rigid_sof"];

@@ -8,9 +8,9 @@ mod simulate;
 
 use std::path::Path;
 use std::process::{Command, Output};
-use supple::export::write_tet_mesh;
-use supple::load::TetMeshFile;
-use supple::sample::Limb;
+use supple_files::TetMeshFile;
+use supple_files::write_tet_mesh;
+use supple_samples::Limb;
 
 /// A scene on a limb small enough to be solved in an instant, in `folder`.
 const SCENE: &str = r#"

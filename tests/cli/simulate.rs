@@ -1,7 +1,7 @@
 //! `supple simulate`: files of a run, reduced and in full space.
 
 use super::{bad, folder, good};
-use supple::export::Report;
+use supple_scene::Report;
 
 #[test]
 fn a_scene_becomes_pictures_a_glb_and_a_report() {

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
-use supple::math::Random;
+use supple::internal::math::Random;
 use supple::model::{Avatar, BoneMass, Frame, State};
+use supple::potential::CpuPotential;
 use supple::potential::{Evaluation, Potential, StepStart};
-use supple::reference::Reference;
 
 /// Two blocks, the second of which carries a ball that the first falls on.
 fn pair(friction: f64) -> (Avatar, State, Collider) {
@@ -107,8 +107,8 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
 fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
     let (avatar, mut state, ball) = pair(0.0);
     state.frames[0].position.z = 0.02;
-    let mut potential = Reference::new(Arc::new(avatar.clone()), 1, 1000)?;
-    let contacts = |potential: &mut Reference, ball: Collider| -> Result<usize> {
+    let mut potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000)?;
+    let contacts = |potential: &mut CpuPotential, ball: Collider| -> Result<usize> {
         let colliders = [ball];
         let start = StepStart {
             time_step: 0.01,

@@ -9,9 +9,9 @@ mod support;
 use std::sync::Arc;
 use supple::Result;
 use supple::glam::DVec3;
-use supple::math::Rows;
+use supple::internal::math::Rows;
 use supple::model::{Avatar, BoneMass, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer};
-use supple::reference::Reference;
+use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation, SolverMode};
 
 const GRAVITY: f64 = 9.81;
@@ -76,8 +76,8 @@ fn blocks(count: usize) -> Avatar {
     avatar
 }
 
-fn simulation(avatar: &Avatar, solver: SolverMode) -> Result<Simulation<Reference>> {
-    let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000)?;
+fn simulation(avatar: &Avatar, solver: SolverMode) -> Result<Simulation<CpuPotential>> {
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000)?;
     let settings = Settings {
         solver,
         ..Settings::default()

@@ -6,15 +6,16 @@ use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::model::Frame;
+use supple::potential::CpuPotential;
 use supple::potential::Potential;
-use supple::reference::Reference;
-use supple::sim::{Pin, Settings, Simulation, SolverMode, SparseCholesky, Stop};
+use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
+use supple_bake::SparseCholesky;
 
 /// In full space a plate drags the skin until all of it slides: then the drag is μ times the push.
 #[test]
 fn sliding_skin_is_dragged_by_its_friction() -> Result<()> {
     let avatar = support::full_space_limb(&support::SMALL, 1, true);
-    let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000)?;
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000)?;
     let solver = Box::new(SparseCholesky::new(potential.pattern())?);
     let settings = Settings {
         solver: SolverMode::CONVERGED,

@@ -4,11 +4,11 @@ use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::math::Random;
+use supple::internal::math::Random;
+use supple::internal::random_state;
 use supple::model::{Avatar, Frame, State};
 use supple::potential::{Evaluation, Potential, StepStart, Trial};
-use supple::sample::random_state;
-use supple::stage::{GpuOptions, GpuPotential};
+use supple::potential::{GpuOptions, GpuPotential};
 
 pub fn device() -> GpuDevice {
     pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(

@@ -3,10 +3,13 @@
 use super::case::{case, device, potential, start};
 use std::sync::Arc;
 use supple::gpu::{AdapterChoice, AdapterKind, Bindings, GpuDevice, Module, adapters};
+use supple::internal::random_avatar;
 use supple::potential::{Evaluation, Potential, StepStart};
-use supple::sample::random_avatar;
-use supple::stage::{GpuOptions, GpuPotential, Sources};
 use supple::{Error, GpuError};
+use supple::{
+    internal::gpu::Sources,
+    potential::{GpuOptions, GpuPotential},
+};
 
 /// The GPU error of a result that must be one.
 fn gpu_error<T>(result: supple::Result<T>) -> GpuError {

@@ -9,11 +9,11 @@ use case::{Case, Outcome, case, device, joined, potential, run, start};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use supple::gpu::{GpuDevice, Waiting};
+use supple::internal::random_avatar;
 use supple::model::{Avatar, State};
+use supple::potential::CpuPotential;
+use supple::potential::GpuOptions;
 use supple::potential::{Evaluation, Potential};
-use supple::reference::Reference;
-use supple::sample::random_avatar;
-use supple::stage::GpuOptions;
 use supple::wgpu;
 
 #[test]
@@ -135,7 +135,7 @@ fn it_agrees_with_the_f64_evaluation() {
 
 fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {
     let mut on_device = potential(gpu, avatar, 1, GpuOptions::default());
-    let mut reference = Reference::new(avatar.clone(), 1, 2048).unwrap();
+    let mut reference = CpuPotential::new(avatar.clone(), 1, 2048).unwrap();
     let (got, want) = (run(&mut on_device, &[case]), run(&mut reference, &[case]));
     // Some hundred roundings of 6e-8 in each of a few stages; tests of single kernels bound them sharply.
     let tolerance = 1e-4;

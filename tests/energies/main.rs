@@ -5,7 +5,7 @@ mod skeleton;
 mod term;
 mod tissue;
 
-use supple::reference::HessianForm;
+use supple::internal::cpu::HessianForm;
 use term::{Energy, Moved, Term, largest, largest_entry};
 
 fn terms() -> Vec<Term> {

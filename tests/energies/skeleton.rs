@@ -2,10 +2,10 @@
 
 use super::term::{Energy, Moved, Term};
 use supple::glam::DVec3;
-use supple::math::{Random, rotation_exp};
+use supple::internal::cpu::HessianForm;
+use supple::internal::math::{Random, rotation_exp};
+use supple::internal::random_avatar;
 use supple::model::{Avatar, Frame, JointRange};
-use supple::reference::HessianForm;
-use supple::sample::random_avatar;
 use supple::skeleton::{
     Bending, BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointLimit,
     JointSpring, LimitSpring, Spring, TissueMoments, Tracking, TrackingSpring,

@@ -1,6 +1,6 @@
 //! What the room asks of an energy.
 
-use supple::reference::HessianForm;
+use supple::internal::cpu::HessianForm;
 
 /// Which DoF of the checked state is moved, and how far (m or rad); `None` moves nothing.
 pub type Moved = Option<(usize, f64)>;

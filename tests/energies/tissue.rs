@@ -6,12 +6,12 @@ use pollster::block_on;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
+use supple::internal::math::Random;
+use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
-use supple::math::Random;
 use supple::model::{Avatar, Frame, State};
 use supple::potential::{Evaluation, Potential, StepStart, Trial};
-use supple::reference::{HessianForm, Reference};
-use supple::sample::{random_avatar, random_state};
+use supple::{internal::cpu::HessianForm, potential::CpuPotential};
 
 /// What of a property is left where a term must not be felt.
 const NONE: f64 = 1e-15;
@@ -164,7 +164,7 @@ fn term(name: &str, setup: Setup) -> Term {
 
 /// A potential in a step that has begun, about a state.
 struct Tissue {
-    potential: Reference,
+    potential: CpuPotential,
     state: State,
 }
 
@@ -189,7 +189,7 @@ impl Tissue {
             }
         }
         let [previous, current, state] = states(&avatar);
-        let mut potential = Reference::new(Arc::new(avatar), 1, 1000).unwrap();
+        let mut potential = CpuPotential::new(Arc::new(avatar), 1, 1000).unwrap();
         let start = StepStart {
             time_step: setup.time_step,
             previous: &previous,

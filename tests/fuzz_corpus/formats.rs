@@ -1,14 +1,15 @@
 //! The formats: small sound files, and what reads them.
 
 use super::seeds;
+use crate::load::motion;
 use std::collections::BTreeMap;
 use std::path::Path;
 use supple::glam::{DMat3, DVec3};
-use supple::load::motion::{self, BvhOptions, PoseReader};
-use supple::load::{
-    parse_avatar_source, parse_gltf, parse_gltf_motions, parse_obj, parse_scene, parse_smpl,
-    parse_tetgen, parse_tets,
+use supple_files::{BvhOptions, PoseReader};
+use supple_files::{
+    parse_gltf, parse_gltf_motions, parse_obj, parse_smpl, parse_tetgen, parse_tets,
 };
+use supple_scene::{parse_avatar_source, parse_scene};
 
 /// A format.
 pub struct Format {
@@ -151,7 +152,7 @@ pub fn baked() -> Format {
     Format {
         wrap: seeds::with_checksum,
         ..plain("baked", vec![seeds::baked()], |bytes| {
-            supple::bake::from_bytes(bytes, path()).is_ok()
+            supple_bake::from_bytes(bytes, path()).is_ok()
         })
     }
 }

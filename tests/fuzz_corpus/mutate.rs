@@ -1,6 +1,6 @@
 //! Damage to files, the same every time.
 
-use supple::math::Random;
+use supple::internal::math::Random;
 
 /// Numbers that counts and indices turn into, as bytes.
 const EDGES: [u64; 10] = [

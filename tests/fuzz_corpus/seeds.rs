@@ -1,7 +1,7 @@
 //! Small sound files of every format.
 
 use std::io::{Cursor, Write};
-use supple::sample::Limb;
+use supple_samples::Limb;
 use zip::write::SimpleFileOptions;
 
 #[path = "../support/mod.rs"]
@@ -291,7 +291,7 @@ pub fn baked() -> Vec<u8> {
         sectors: 4,
         ..support::SMALL
     };
-    supple::bake::to_bytes(&support::full_space_limb(&limb, 1, true), None).unwrap()
+    supple_bake::to_bytes(&support::full_space_limb(&limb, 1, true), None).unwrap()
 }
 
 /// The baked file with its length and checksum set right (the table in src/bake/file.rs).

@@ -2,7 +2,7 @@
 
 use super::evaluation::{Evaluation, largest_distance, posed};
 use std::path::PathBuf;
-use supple::load::{read_gltf, read_gltf_motions};
+use supple_files::{read_gltf, read_gltf_motions};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets");
 

@@ -5,13 +5,14 @@ use super::fixture::*;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use serde_json::json;
 use std::sync::Arc;
-use supple::bake::{Recipe, bake, from_bytes, full_space, to_bytes};
 use supple::collider::{Collider, Shape};
-use supple::export::{Recording, write_glb};
-use supple::load::parse_gltf;
-use supple::model::{Attachment, Body, Frame};
-use supple::reference::Reference;
+use supple::model::Frame;
+use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation};
+use supple_bake::{Attachment, Body};
+use supple_bake::{Recipe, bake, from_bytes, full_space::spaces, to_bytes};
+use supple_files::parse_gltf;
+use supple_files::{Recording, write_glb};
 
 /// A bar with an eye (a small closed bar beside it, on bone 1), a sleeve (an open tube around its
 /// middle, on all bones) and a tress (an open tube on a bone of its own).
@@ -238,7 +239,7 @@ fn attachments_touch_nothing() {
             position: DVec3::new(place, if touches { 0.0 } else { 0.06 }, 0.0),
             ..Frame::IDENTITY
         };
-        let potential = Reference::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
+        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
         let mut simulation = Simulation::new(&avatar, potential, Settings::default()).unwrap();
         simulation.instances_mut()[0].colliders.push(Collider {
             stiffness: 1e6,

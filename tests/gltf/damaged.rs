@@ -3,7 +3,7 @@
 use super::malformed::{read, refused, rich};
 use serde_json::{Value, json};
 use supple::Error;
-use supple::math::Random;
+use supple::internal::math::Random;
 
 #[test]
 fn containers_and_buffers() {

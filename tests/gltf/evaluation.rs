@@ -2,7 +2,8 @@
 
 use glam::{DMat4, DQuat, DVec3};
 use gltf::animation::util::ReadOutputs;
-use supple::model::{Body, Frame};
+use supple::model::Frame;
+use supple_bake::Body;
 
 /// A file's document and buffers.
 pub struct Evaluation {
@@ -211,7 +212,7 @@ pub fn largest_distance(body: &Body, found: &[DVec3], expected: &[Vec<DVec3>]) -
 /// The body of a GLB, after its rest pose was found to be the file's own, to the rounding of the file's
 /// numbers: 1e-6 of its size and 1e-7 of its distance from the origin.
 pub fn check_rest(bytes: &[u8]) -> Body {
-    let character = supple::load::parse_gltf(bytes, "fixture.glb").unwrap();
+    let character = supple_files::parse_gltf(bytes, "fixture.glb").unwrap();
     let body = character.body(&[]).unwrap();
     let file = Evaluation::new(bytes);
     let expected = file.skinned(&file.rest());

@@ -5,7 +5,7 @@ use glam::DQuat;
 use serde_json::{Value, json};
 use std::path::Path;
 use supple::Error;
-use supple::load::{parse_gltf, parse_gltf_motions};
+use supple_files::{parse_gltf, parse_gltf_motions};
 
 /// A file with some of everything.
 pub fn rich() -> Fixture {

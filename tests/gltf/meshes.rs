@@ -4,7 +4,7 @@ use super::evaluation::{Evaluation, check_rest, largest_distance, posed};
 use super::fixture::*;
 use glam::DVec3;
 use serde_json::json;
-use supple::load::{parse_gltf, read_gltf};
+use supple_files::{parse_gltf, read_gltf};
 
 const RINGS: usize = 10;
 

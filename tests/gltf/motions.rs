@@ -4,7 +4,7 @@ use super::evaluation::posed;
 use super::fixture::*;
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::json;
-use supple::load::{parse_gltf, parse_gltf_motions};
+use supple_files::{parse_gltf, parse_gltf_motions};
 
 /// Adds a channel; `values` are three or four floats an element.
 fn channel(

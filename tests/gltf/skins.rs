@@ -4,7 +4,7 @@ use super::evaluation::check_rest;
 use super::fixture::*;
 use glam::{DMat4, DQuat, DVec3};
 use serde_json::json;
-use supple::load::parse_gltf;
+use supple_files::parse_gltf;
 
 fn placed() -> BarFile {
     BarFile {

@@ -3,8 +3,8 @@
 use super::fixture::*;
 use glam::{DQuat, DVec3};
 use serde_json::json;
-use supple::load::gltf::{BoneCollider, Character};
-use supple::load::parse_gltf;
+use supple_files::parse_gltf;
+use supple_files::{BoneCollider, Character};
 
 const ARMATURE: (f64, DQuat, DVec3) = (2.0, DQuat::IDENTITY, DVec3::Y);
 

@@ -7,14 +7,14 @@ use super::friction::{slid, smoothing};
 use super::points::{abs_position, minus_joints, skin_roundings};
 use super::scene::{OPTIONS_CONTACTS, Phase, Scene, vec};
 use supple::glam::DVec3;
-use supple::potential::point_blocks;
-use supple::reference::compact as compact_twin;
-use supple::reference::contact::{
+use supple::internal::cpu::compact as compact_twin;
+use supple::internal::cpu::contact::{
     Candidate, ContactRow, carrier_levers, contact_point, skin_levers,
 };
-use supple::reference::displacement::{arms, blended_rotation, unposed_displacement};
-use supple::reference::friction as friction_twin;
-use supple::stage::shared;
+use supple::internal::cpu::displacement::{arms, blended_rotation, unposed_displacement};
+use supple::internal::cpu::friction as friction_twin;
+use supple::internal::gpu::shared;
+use supple::potential::point_blocks;
 
 /// The rows of the evaluated state, as the device listed them.
 pub fn listed(scene: &Scene) -> Vec<ContactRow> {

@@ -6,10 +6,10 @@ use super::points::{abs_position, skin_roundings};
 use super::scene::{OPTIONS_COLLIDERS, Phase, Scene, vec};
 use supple::collider::Collider;
 use supple::glam::{DMat3, DVec3};
+use supple::internal::cpu::contact as contact_twin;
+use supple::internal::cpu::contact::{Candidate, contact_point, may_touch};
+use supple::internal::cpu::displacement::unposed_displacement;
 use supple::model::Frame;
-use supple::reference::contact as contact_twin;
-use supple::reference::contact::{Candidate, contact_point, may_touch};
-use supple::reference::displacement::unposed_displacement;
 
 /// (n, δ) of every vertex at every collider of `slot`, vertex by vertex.
 pub fn distances(scene: &Scene, phase: Phase, slot: usize) -> Vec<[f32; 4]> {

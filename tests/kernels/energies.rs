@@ -8,11 +8,11 @@ use super::points::mat9;
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, vec};
 use super::{INSTANCE, INSTANCES};
 use supple::glam::{DMat3, DVec3};
+use supple::internal::cpu::elasticity::displacement_gradient;
+use supple::internal::cpu::energy as twin;
+use supple::internal::cpu::friction::smoothed_slopes;
+use supple::internal::gpu::shared;
 use supple::model::BasisEntry;
-use supple::reference::elasticity::displacement_gradient;
-use supple::reference::energy as twin;
-use supple::reference::friction::smoothed_slopes;
-use supple::stage::shared;
 
 fn abs_gradient(basis: &[BasisEntry], handles: &[DVec3]) -> DMat3 {
     basis

@@ -9,12 +9,15 @@ use super::scene::{
 };
 use supple::collider::Collider;
 use supple::glam::DVec3;
+use supple::internal::cpu::compact as compact_twin;
+use supple::internal::cpu::contact::{Candidate, contact_point};
+use supple::internal::cpu::displacement::{FrameMotion, displacement, unposed_displacement};
+use supple::internal::cpu::{
+    friction as friction_twin,
+    friction::{Lagged, Slip},
+};
+use supple::internal::gpu::shared;
 use supple::model::Frame;
-use supple::reference::compact as compact_twin;
-use supple::reference::contact::{Candidate, contact_point};
-use supple::reference::displacement::{FrameMotion, displacement, unposed_displacement};
-use supple::reference::friction::{self as friction_twin, Lagged, Slip};
-use supple::stage::shared;
 
 /// ε, m.
 pub fn smoothing() -> f64 {

@@ -2,10 +2,10 @@
 
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
+use supple::internal::math::{Random, Rows};
+use supple::internal::random_avatar;
 use supple::material::{LocalTissue, Material, Orthotropic, StableNeoHookean};
-use supple::math::{Random, Rows};
 use supple::model::{Avatar, BasisEntry, Frame, SkinWeight};
-use supple::sample::random_avatar;
 
 fn single(x: f64) -> f64 {
     f64::from(x as f32)

@@ -3,8 +3,8 @@
 
 use super::bound::{abs, abs_cofactor, abs_determinant, abs_trace};
 use supple::glam::{DMat3, DVec3};
+use supple::internal::math::double_dot;
 use supple::material::{Material, MaterialPoint, Orthotropic};
-use supple::math::double_dot;
 
 fn size(m: DMat3) -> f64 {
     m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()

@@ -5,13 +5,13 @@ use super::bound::{Comparison, Outcome, abs, abs_cross};
 use super::material::Magnitudes;
 use super::scene::{Phase, Scene, TIME_STEP, mat, vec};
 use supple::glam::{DMat3, DVec3};
-use supple::math::Mat9;
+use supple::internal::cpu::displacement::{FrameMotion, position, unposed_displacement};
+use supple::internal::cpu::elasticity::{Damping, displacement_gradient, stress, tangent};
+use supple::internal::cpu::normals::{normal, vertex_triangles};
+use supple::internal::cpu::{displacement, pose_blend as pose_blend_twin, skin as skin_twin};
+use supple::internal::gpu::shared;
+use supple::internal::math::Mat9;
 use supple::model::{BasisEntry, PointSet, SkinWeight};
-use supple::reference::displacement::{FrameMotion, position, unposed_displacement};
-use supple::reference::elasticity::{Damping, displacement_gradient, stress, tangent};
-use supple::reference::normals::{normal, vertex_triangles};
-use supple::reference::{displacement, pose_blend as pose_blend_twin, skin as skin_twin};
-use supple::stage::shared;
 
 /// x̄: a product, then as many sums as there are features, and one with X.
 pub fn pose_blend(scene: &Scene) -> Outcome {

@@ -9,12 +9,15 @@ use supple::Result;
 use supple::collider::Collider;
 use supple::glam::{DMat3, DVec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::math::Random;
+use supple::internal::cpu::displacement::FrameMotion;
+use supple::internal::math::Random;
+use supple::internal::random_state;
 use supple::model::{Avatar, Frame, PointSet, State};
 use supple::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
-use supple::reference::displacement::FrameMotion;
-use supple::sample::random_state;
-use supple::stage::{GpuOptions, GpuPotential, Sources, shared};
+use supple::{
+    internal::gpu::{Sources, shared},
+    potential::{GpuOptions, GpuPotential},
+};
 
 /// h: a power of two, so that its inverse is exact.
 pub const TIME_STEP: f64 = 1.0 / 128.0;

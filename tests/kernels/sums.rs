@@ -6,14 +6,14 @@ use super::compact::{listed, places, rows, vertex_blocks};
 use super::points::{mat9, minus_joints};
 use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, vec};
 use supple::glam::{DMat3, DVec3};
-use supple::math::Mat9;
+use supple::internal::cpu::displacement::arms;
+use supple::internal::cpu::gradient::{gradient as gradient_twin, point_force};
+use supple::internal::cpu::hessian::{ContactRows, gather_blocks, gather_contacts};
+use supple::internal::cpu::point_hessian::{PointTerms, PointView, point_hessian as hessian_twin};
+use supple::internal::cpu::{Basis, Incidence};
+use supple::internal::gpu::shared;
+use supple::internal::math::Mat9;
 use supple::potential::point_blocks;
-use supple::reference::displacement::arms;
-use supple::reference::gradient::{gradient as gradient_twin, point_force};
-use supple::reference::hessian::{ContactRows, gather_blocks, gather_contacts};
-use supple::reference::point_hessian::{PointTerms, PointView, point_hessian as hessian_twin};
-use supple::reference::{Basis, Incidence};
-use supple::stage::shared;
 
 const PHASE: Phase = Phase::Evaluated;
 

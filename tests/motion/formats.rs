@@ -3,13 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use supple::Error;
-use supple::export::{bvh_text, clip_as_poses, pose_header_line, pose_line};
 use supple::glam::{DQuat, DVec3};
-use supple::load::motion::{BvhOptions, PoseParser, Unit, parse_bvh, parse_pose, read_amass};
-use supple::math::{Random, rotation_exp, rotation_log};
-use supple::model::UpAxis;
-use supple::motion::{ClipOptions, ClipPlayer, PoseOptions, PosePlayer};
-use supple::sample::{grasp, walk};
+use supple::internal::math::{Random, rotation_exp, rotation_log};
+use supple_files::UpAxis;
+use supple_files::{BvhOptions, PoseParser, Unit, parse_bvh, parse_pose, read_amass};
+use supple_files::{ClipOptions, ClipPlayer, PoseOptions, PosePlayer};
+use supple_files::{bvh_text, clip_as_poses, pose_header_line, pose_line};
+use supple_samples::{hand::grasp, walk};
 
 /// Two joints with different orders of rotation, a position channel on the inner one, names with spaces,
 /// `Frames:` without a space, Windows line ends.
@@ -18,7 +18,7 @@ Zposition Zrotation Xrotation Yrotation\r\n JOINT knee {\r\n OFFSET 0 -10 0\r\n 
 Xrotation Yrotation Zrotation\r\n End Site\r\n {\r\n OFFSET 0 -8 0\r\n }\r\n }\r\n}\r\nMOTION\r\nFrames:2\r\n\
 Frame Time: 0.5\r\n1 2 3 0 0 0 -10 0 0 0\r\n4 5 6 90 90 0 -11 90 0 90\r\n";
 
-fn bvh(text: &str) -> Result<supple::model::MotionClip, Error> {
+fn bvh(text: &str) -> Result<supple_files::MotionClip, Error> {
     let options = BvhOptions {
         unit: Some(Unit::Name("cm".into())),
         ..BvhOptions::default()

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 use supple::glam::{DMat3, DVec3};
-use supple::load::motion::{Playback, TrackedMotion};
-use supple::load::{read_character, read_gltf_motions};
-use supple::math::rotation_log;
+use supple::internal::math::rotation_log;
 use supple::model::Frame;
-use supple::motion::Align;
+use supple_files::Align;
+use supple_files::{read_character, read_gltf_motions};
+use supple_scene::{Playback, TrackedMotion};
 
 fn asset(name: &str) -> Option<PathBuf> {
     let path = Path::new("../shared/assets").join(name);
@@ -32,7 +32,7 @@ fn the_walk_is_the_same_from_bvh_and_glb() {
         .skeleton;
     let own = read_gltf_motions(&glb).unwrap().remove(0);
     let motion = TrackedMotion {
-        origin: Some(supple::motion::Origin::Motion),
+        origin: Some(supple_files::Origin::Motion),
         ..TrackedMotion::of_file(&bvh)
     };
     let mut playback = Playback::open(&motion, &skeleton, DVec3::Y).unwrap();
@@ -77,7 +77,7 @@ fn a_character_s_own_clip_is_exact() {
         let motion = TrackedMotion {
             align: Align::None,
             scale: Some(1.0),
-            origin: Some(supple::motion::Origin::Motion),
+            origin: Some(supple_files::Origin::Motion),
             ..TrackedMotion::of_file(&path)
         };
         let mut playback = Playback::open(&motion, &body.skeleton, DVec3::Y).unwrap();
@@ -104,7 +104,7 @@ fn tracked_hands_pose_hands() {
         let Some(path) = asset(&format!("hand-poses/{name}.js")) else {
             continue;
         };
-        let model = supple::sample::hand().unwrap().model;
+        let model = supple_samples::hand().unwrap().model;
         let skeleton = model.skeleton(&[]);
         let motion = TrackedMotion {
             mirror,

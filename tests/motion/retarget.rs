@@ -1,13 +1,14 @@
 //! One skeleton's motion on another.
 
 use supple::glam::{DMat3, DQuat, DVec3};
-use supple::math::{Random, rotation_exp};
-use supple::model::{Frame, MotionClip, MotionFrame, Skeleton, UpAxis};
-use supple::motion::{
+use supple::internal::math::{Random, rotation_exp};
+use supple::model::{Frame, Skeleton};
+use supple_files::{
     Align, BonePose, BonePoses, ClipOptions, ClipPlayer, Origin, PoseHeader, PoseOptions,
     PosePlayer, RetargetOptions, mirrored_clip,
 };
-use supple::sample::{hand, walk};
+use supple_files::{MotionClip, MotionFrame, UpAxis};
+use supple_samples::{hand, walk};
 
 /// The walk's own skeleton.
 pub fn smpl() -> Skeleton {

@@ -3,13 +3,13 @@
 use crate::support::{SMALL, full_space_limb};
 use std::path::Path;
 use std::sync::Arc;
-use supple::export::{Driver, run_scene};
 use supple::glam::{DMat3, DQuat, DVec3};
-use supple::load::{Scene, parse_scene};
-use supple::math::{rotation_exp, rotation_log};
+use supple::internal::math::{rotation_exp, rotation_log};
 use supple::model::Avatar;
-use supple::reference::Reference;
+use supple::potential::CpuPotential;
 use supple::sim::Simulation;
+use supple_scene::{Driver, run_scene};
+use supple_scene::{Scene, parse_scene};
 
 /// A scene of 0.6 s on a limb, with the keys `motion` in its `[motion]` table.
 fn scene(motion: &str) -> Scene {
@@ -42,8 +42,8 @@ fn stream(avatar: &Avatar, folder: &Path, frames: usize) -> String {
     format!("file = {:?}\n", path.to_str().unwrap())
 }
 
-fn run(scene: &Scene, avatar: &Arc<Avatar>) -> supple::Result<supple::export::SceneRun> {
-    let reference = Reference::new(avatar.clone(), 1, 0)?;
+fn run(scene: &Scene, avatar: &Arc<Avatar>) -> supple::Result<supple_scene::SceneRun> {
+    let reference = CpuPotential::new(avatar.clone(), 1, 0)?;
     let mut simulation = Simulation::new(avatar, reference, scene.settings)?;
     run_scene(scene, avatar, &mut simulation, &mut |_| {})
 }
@@ -98,7 +98,7 @@ fn the_scene_s_own_pins_and_targets_go_first() {
     let folder = tempfile::tempdir().unwrap();
     let avatar = limb();
     let mut scene = scene(&stream(&avatar, folder.path(), 13));
-    scene.pins.push(supple::load::scene::Pinned {
+    scene.pins.push(supple_scene::Pinned {
         bone: avatar.skeleton.names[1].clone(),
         motion: Default::default(),
     });

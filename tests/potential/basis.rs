@@ -4,10 +4,13 @@ use super::case::cases;
 use super::{STEP, evaluate, largest, unit};
 use std::sync::Arc;
 use supple::glam::DMat3;
-use supple::math::{Random, Rows};
+use supple::internal::math::{Random, Rows};
 use supple::model::BasisEntry;
 use supple::potential::Potential;
-use supple::reference::{GeneralBasis, HessianForm, Reference};
+use supple::{
+    internal::cpu::{GeneralBasis, HessianForm},
+    potential::CpuPotential,
+};
 
 #[test]
 fn a_general_basis_gives_what_the_scalar_one_gives() {
@@ -18,7 +21,7 @@ fn a_general_basis_gives_what_the_scalar_one_gives() {
         general(&case.avatar.skin.basis),
     );
     let avatar = Arc::new(case.avatar.clone());
-    let other = Reference::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap();
+    let other = CpuPotential::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap();
     let mut other = case.begun(other);
     let mut scalar = case.reference();
     let [.., state] = case.states();
@@ -49,7 +52,7 @@ fn a_basis_that_is_not_scalar_has_true_derivatives_too() {
     );
     let avatar = Arc::new(case.avatar.clone());
     let mut potential =
-        case.begun(Reference::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap());
+        case.begun(CpuPotential::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap());
     let [.., state] = case.states();
     let evaluation = evaluate(&mut potential, &state);
     let dofs = evaluation.gradient.len();

@@ -4,12 +4,12 @@ use pollster::block_on;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
+use supple::internal::math::Random;
+use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
-use supple::math::Random;
 use supple::model::{Avatar, Frame, PoseBlend, State};
+use supple::potential::CpuPotential;
 use supple::potential::{Potential, StepStart};
-use supple::reference::Reference;
-use supple::sample::{random_avatar, random_state};
 
 /// What a case is made of.
 pub struct Case {
@@ -192,7 +192,10 @@ impl Case {
         ]
     }
 
-    pub fn begun<B: supple::reference::Basis>(&self, mut potential: Reference<B>) -> Reference<B> {
+    pub fn begun<B: supple::internal::cpu::Basis>(
+        &self,
+        mut potential: CpuPotential<B>,
+    ) -> CpuPotential<B> {
         let [previous, current, _] = &self.states();
         let start = StepStart {
             time_step: self.time_step,
@@ -208,7 +211,7 @@ impl Case {
         potential
     }
 
-    pub fn reference(&self) -> Reference {
-        self.begun(Reference::new(Arc::new(self.avatar.clone()), 1, 1000).unwrap())
+    pub fn reference(&self) -> CpuPotential {
+        self.begun(CpuPotential::new(Arc::new(self.avatar.clone()), 1, 1000).unwrap())
     }
 }

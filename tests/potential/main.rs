@@ -7,11 +7,11 @@ mod terms;
 
 use pollster::block_on;
 use supple::model::State;
+use supple::potential::CpuPotential;
 use supple::potential::{Evaluation, Potential, Trial};
-use supple::reference::Reference;
 
-fn evaluate<B: supple::reference::Basis>(
-    potential: &mut Reference<B>,
+fn evaluate<B: supple::internal::cpu::Basis>(
+    potential: &mut CpuPotential<B>,
     state: &State,
 ) -> Evaluation {
     let mut out = [Evaluation::default()];
@@ -20,7 +20,7 @@ fn evaluate<B: supple::reference::Basis>(
     evaluation
 }
 
-fn difference(potential: &mut Reference, base: &State, state: &State) -> f64 {
+fn difference(potential: &mut CpuPotential, base: &State, state: &State) -> f64 {
     let trial = Trial {
         instance: 0,
         base,

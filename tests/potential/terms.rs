@@ -4,10 +4,10 @@ use super::case::{carried, cases, soft};
 use super::{STEP, difference, evaluate, largest, unit};
 use supple::collider::Shape;
 use supple::glam::DVec3;
-use supple::math::Random;
+use supple::internal::cpu::HessianForm;
+use supple::internal::math::Random;
 use supple::model::State;
 use supple::potential::Potential;
-use supple::reference::HessianForm;
 
 #[test]
 fn evaluated_energy_is_the_difference_from_the_start_of_the_step() {

@@ -9,8 +9,8 @@ use supple::Error;
 use supple::collider::Collider;
 use supple::glam::{DVec2, DVec3};
 use supple::model::SkinWeight;
+use supple::potential::CpuPotential;
 use supple::potential::{Evaluation, Potential, StepStart};
-use supple::reference::Reference;
 
 #[test]
 fn contact_reports_its_force_and_refuses_to_overflow() {
@@ -18,7 +18,7 @@ fn contact_reports_its_force_and_refuses_to_overflow() {
     let [previous, current, state] = &triples(&avatar)[0];
     let colliders = [floor(-0.01)];
     let evaluate = |capacity| {
-        let mut potential = Reference::new(avatar.clone(), 1, capacity)?;
+        let mut potential = CpuPotential::new(avatar.clone(), 1, capacity)?;
         let mut out = [Evaluation::default()];
         block_on(potential.begin_step(&[start(previous, current, &colliders)], &[true]))?;
         block_on(potential.evaluate(std::slice::from_ref(state), &[true], &mut out))?;
@@ -50,7 +50,7 @@ fn contact_reports_its_force_and_refuses_to_overflow() {
 fn unusable_input_is_refused_by_name() {
     let avatar = avatar();
     let rest = avatar.rest_state();
-    let mut potential = Reference::new(avatar.clone(), 1, 10).unwrap();
+    let mut potential = CpuPotential::new(avatar.clone(), 1, 10).unwrap();
     let good = start(&rest, &rest, &[]);
     let mut refuse = |start: StepStart<'_>, name: &str| {
         let error = block_on(potential.begin_step(&[start], &[true])).unwrap_err();
@@ -110,7 +110,7 @@ fn unusable_input_is_refused_by_name() {
         .iter()
         .map(|row| [half(&row[0]), half(&row[0])])
         .collect();
-    let error = Reference::new(Arc::new(twice), 1, 10).err().unwrap();
+    let error = CpuPotential::new(Arc::new(twice), 1, 10).err().unwrap();
     assert!(error.to_string().contains("twice"), "{error}");
 }
 
@@ -118,7 +118,7 @@ fn unusable_input_is_refused_by_name() {
 fn a_state_too_large_to_have_an_energy_is_an_error() {
     let avatar = avatar();
     let rest = avatar.rest_state();
-    let mut potential = Reference::new(avatar.clone(), 1, 10).unwrap();
+    let mut potential = CpuPotential::new(avatar.clone(), 1, 10).unwrap();
     block_on(potential.begin_step(&[start(&rest, &rest, &[])], &[true])).unwrap();
     let mut huge = rest.clone();
     huge.handles

@@ -5,11 +5,11 @@ use super::{avatar, floor, start};
 use pollster::block_on;
 use supple::collider::Collider;
 use supple::glam::DVec3;
-use supple::math::Random;
+use supple::internal::math::Random;
+use supple::internal::random_state;
 use supple::model::{Avatar, Frame, State, Surface, pose_feature};
 use supple::potential::{Evaluation, Potential, StepStart};
-use supple::reference::{Reference, min_det_f};
-use supple::sample::random_state;
+use supple::{internal::cpu::min_det_f, potential::CpuPotential};
 
 /// Skin vertex `v` with x̄ of the pose `frames`, written out.
 pub fn posed(avatar: &Avatar, v: usize, frames: &[Frame], state: &State) -> DVec3 {
@@ -38,7 +38,7 @@ pub fn posed(avatar: &Avatar, v: usize, frames: &[Frame], state: &State) -> DVec
 fn the_drawn_skin_is_the_parametric_model_moved_by_the_handles() {
     let avatar = avatar();
     let state = random_state(3, &avatar, 1.0, 0.01);
-    let mut potential = Reference::new(avatar.clone(), 1, 1).unwrap();
+    let mut potential = CpuPotential::new(avatar.clone(), 1, 1).unwrap();
     block_on(potential.pose_skin(std::slice::from_ref(&state))).unwrap();
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     block_on(potential.read_skin(0, &mut positions, &mut normals)).unwrap();
@@ -69,7 +69,7 @@ fn a_scene_moved_rigidly_has_the_same_energy_and_a_turned_gradient() {
         handles: state.handles.clone(),
     };
     let evaluate = |states: [&State; 3], collider: Collider, tissue_gravity| {
-        let mut potential = Reference::new(avatar.clone(), 1, 2000).unwrap();
+        let mut potential = CpuPotential::new(avatar.clone(), 1, 2000).unwrap();
         let colliders = [collider];
         let begin = StepStart {
             tissue_gravity,

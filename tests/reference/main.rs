@@ -7,9 +7,9 @@ mod invariance;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
+use supple::internal::random_avatar;
 use supple::model::{Avatar, Frame, State};
 use supple::potential::StepStart;
-use supple::sample::random_avatar;
 
 fn avatar() -> Arc<Avatar> {
     Arc::new(random_avatar(7, 4, 12, 90, 300))

@@ -8,14 +8,14 @@ mod surface;
 use std::sync::OnceLock;
 use supple::glam::DVec3;
 use supple::model::Surface;
-use supple::sample::SampleBody;
+use supple_samples::SampleBody;
 
 /// About an edge's length, m.
 const CELL: f64 = 0.02;
 
 fn body() -> &'static SampleBody {
     static BODY: OnceLock<SampleBody> = OnceLock::new();
-    BODY.get_or_init(|| supple::sample::body().expect("the built-in body is made"))
+    BODY.get_or_init(|| supple_samples::body().expect("the built-in body is made"))
 }
 
 fn surface_of(positions: Vec<DVec3>) -> Surface {

@@ -3,11 +3,11 @@
 use super::shape::mirrored;
 use super::{betas, body, joint, other_side, skin, surface_of};
 use crate::surface::{dense_weights, edges, winding_number};
-use supple::export::write_smpl;
 use supple::glam::{DMat3, DVec3};
-use supple::load::read_smpl;
-use supple::math::rotation_exp;
-use supple::model::ParametricModel;
+use supple::internal::math::rotation_exp;
+use supple_bake::ParametricModel;
+use supple_files::read_smpl;
+use supple_files::write_smpl;
 
 #[test]
 fn weights_are_a_smooth_partition_without_seams() {
@@ -207,6 +207,6 @@ fn its_archive_reads_back_bit_for_bit() {
 
 #[test]
 fn the_same_body_comes_out_every_time() {
-    let again = supple::sample::body().expect("the built-in body is made");
+    let again = supple_samples::body().expect("the built-in body is made");
     assert!(again == *body());
 }

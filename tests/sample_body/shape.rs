@@ -2,12 +2,12 @@
 
 use super::{CELL, betas, body, joint, other_side, skin, surface_of};
 use crate::surface::{assert_closed_sphere, self_intersections, smallest_angle, winding_number};
-use supple::bake::Mesher;
-use supple::bake::mesh::{MeshQuality, ShellOptions};
 use supple::glam::{DMat3, DVec3};
-use supple::math::{Random, par_map, rotation_exp};
-use supple::model::Body;
-use supple::sample::SampleBody;
+use supple::internal::math::{Random, par_map, rotation_exp};
+use supple_bake::Body;
+use supple_bake::Mesher;
+use supple_bake::mesh::{MeshQuality, ShellOptions};
+use supple_samples::SampleBody;
 
 pub fn mirrored(p: DVec3) -> DVec3 {
     DVec3::new(-p.x, p.y, p.z)

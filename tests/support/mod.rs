@@ -3,12 +3,12 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use supple::glam::{DMat3, DVec3};
+use supple::internal::math::Rows;
 use supple::material::{Material, StableNeoHookean};
-use supple::math::Rows;
 use supple::model::{
     Avatar, BasisEntry, BoneMass, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer, State,
 };
-use supple::sample::Limb;
+use supple_samples::Limb;
 
 /// A few hundred DoFs.
 pub const SMALL: Limb = Limb {

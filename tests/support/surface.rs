@@ -3,7 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use supple::glam::DVec3;
-use supple::model::{ParametricModel, SkinWeight, Surface};
+use supple::model::{SkinWeight, Surface};
+use supple_bake::ParametricModel;
 
 /// Undirected edges, each once.
 pub fn edges(triangles: &[[u32; 3]]) -> BTreeSet<(u32, u32)> {

@@ -1,0 +1,287 @@
+//! The bake itself, phase after phase.
+
+use super::attached::{followed, with_attachments};
+use super::interior::InteriorField;
+use super::local_tissue::local_tissue;
+use super::report::{
+    AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport, peak_memory,
+};
+use super::{Recipe, set_limits};
+use crate::basis::BiharmonicSystem;
+use crate::basis::{basis_at_tets, basis_on_skin, skinning_at_tets};
+use crate::body::Body;
+use crate::bones::bone_masses;
+use crate::cubature::{Cubature, Tissue};
+use crate::handles::Handles;
+use crate::handles::Softness;
+use crate::handles::automatic;
+use crate::mesh::{MeshQuality, MeshReport};
+use std::time::Instant;
+use supple::internal::math::Rows;
+use supple::model::{Avatar, PointSet, SoftLayer, TetMesh};
+use supple::{Error, Result};
+
+/// The phases of a bake, in order.
+pub const PHASES: [&str; 6] = [
+    "mesh",
+    "skin weights",
+    "basis",
+    "cubature",
+    "points",
+    "bones",
+];
+
+/// A basis that misses affine functions by more than this was not determined by its constraints.
+const LINEAR_PRECISION: f64 = 1e-6;
+
+/// Called at the start of each phase with its index in [`PHASES`], and once more with their number.
+pub type Progress<'a> = dyn FnMut(usize) + 'a;
+
+/// Bakes a body: the layer's mesh where it has none, basis at the handles, cubature, skin weights and blend shapes inside, bone masses.
+/// The same body and recipe give the same avatar, bit for bit, whatever the number of threads.
+///
+/// # Errors
+/// [`Error::Invalid`] where the body or the recipe is not usable; [`Error::Solve`] where the layer hangs
+/// together too loosely, or handles stand too close for its mesh.
+pub fn bake(
+    body: &Body,
+    recipe: &Recipe,
+    progress: &mut Progress<'_>,
+) -> Result<(Avatar, BakeReport)> {
+    recipe.validate()?;
+    let mut clock = Clock::new(progress);
+
+    clock.start(0);
+    let mut meshed;
+    let mut mesh_report = MeshReport::default();
+    let body = if body.layer.mesh.tets.is_empty() {
+        meshed = body.clone();
+        mesh_report = recipe.mesher.mesh(&mut meshed)?;
+        &meshed
+    } else {
+        body
+    };
+    body.validate()?;
+    let layer = &body.layer;
+    let mesh = &layer.mesh;
+    check_nodes(mesh)?;
+    let quality = MeshQuality::of(mesh);
+    let tissue = Tissue {
+        mesh,
+        fraction: &layer.tissue_fraction,
+    };
+    let areas = body.skin.vertex_areas();
+
+    clock.start(1);
+    let field = InteriorField::new(mesh, &layer.bone_of_node, &layer.skin_embedding, &areas)?;
+    let node_skinning =
+        field.skin_weights(&body.skinning, body.skeleton.len(), recipe.bones_per_point)?;
+
+    clock.start(2);
+    let softness = Softness::of(body);
+    let automatic = [automatic::handle_region(&softness)];
+    let regions = if recipe.handles.is_empty() {
+        &automatic[..]
+    } else {
+        &recipe.handles
+    };
+    let handles = Handles::place(body, &node_skinning, &softness, regions)?;
+    let fixed: Vec<bool> = layer.bone_of_node.iter().map(Option::is_some).collect();
+    let system = BiharmonicSystem::new(mesh, recipe.basis_energy, &fixed, &handles.constraints)?;
+    let columns = system.basis();
+    let linear_precision = system.linear_precision(mesh, &columns);
+    let loose_tets = system.loose_tets();
+    drop(system);
+    if linear_precision.is_nan() || linear_precision > LINEAR_PRECISION {
+        let problem = format!(
+            "misses affine functions by {linear_precision:.1e}: too few handles and bone nodes, handles too \
+             close together, or a layer in parts"
+        );
+        let system = "biharmonic basis";
+        return Err(Error::Solve { system, problem });
+    }
+    let (basis, truncation_cost) = recipe.truncation.rows(&columns, &tissue.nodal_volumes());
+    drop(columns);
+
+    clock.start(3);
+    let layer_tissue = local_tissue(body, &field, &node_skinning, &recipe.stiffness)?;
+    let cubature = if recipe.cubature.all_tets {
+        Cubature::all_tets(tissue)
+    } else {
+        let count = recipe.points_for(handles.positions.len());
+        let stiffness: Vec<f64> = layer_tissue.iter().map(|t| t.stiffness).collect();
+        Cubature::sampled(tissue, recipe.cubature.method, count, &basis, &stiffness)?
+    };
+
+    clock.start(4);
+    let points = PointSet {
+        position: (cubature.tets.iter())
+            .map(|&t| mesh.centroid(t as usize))
+            .collect(),
+        measure: cubature.weights,
+        skinning: skinning_at_tets(mesh, &node_skinning, &cubature.tets, recipe.bones_per_point),
+        basis: basis_at_tets(mesh, &basis, &cubature.tets),
+        pose_blend: field.pose_blend(&body.pose_blend, mesh, &cubature.tets),
+    };
+    let skin = PointSet {
+        position: body.skin.positions.clone(),
+        measure: areas.clone(),
+        skinning: body.skinning.clone(),
+        basis: basis_on_skin(&layer.skin_embedding, &basis),
+        pose_blend: body.pose_blend.clone(),
+    };
+    let attached = followed(body);
+    let (skin, triangles) = with_attachments(body, skin, &attached);
+
+    clock.start(5);
+    let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
+    let seconds = clock.finish();
+
+    let material =
+        (recipe.material).unwrap_or_else(|| automatic::material(&softness, recipe.density));
+    let mut skeleton = body.skeleton.clone();
+    set_limits(&mut skeleton, &recipe.limits)?;
+    let avatar = Avatar {
+        name: body.name.clone(),
+        skeleton,
+        bone_masses: masses,
+        handles: handles.positions,
+        cubature: points,
+        skin,
+        triangles,
+        attached,
+        drawn: body.drawn.clone(),
+        material,
+        tissue: (cubature.tets.iter())
+            .map(|&t| layer_tissue[t as usize])
+            .collect(),
+        density: recipe.density,
+        damping_time: recipe.damping_time,
+        captured_under_gravity: recipe.captured_under_gravity,
+        layer: SoftLayer {
+            mesh: mesh.clone(),
+            tissue_fraction: layer.tissue_fraction.clone(),
+            bone_of_node: layer.bone_of_node.clone(),
+            skinning: node_skinning,
+            basis,
+            skin_embedding: layer.skin_embedding.clone(),
+            tissue: layer_tissue,
+        },
+        bodies: Vec::new(),
+    };
+    avatar.validate()?;
+    mesh_report.quality = quality;
+    let (low, high) = body.skin.bounds();
+    let report = BakeReport {
+        name: avatar.name.clone(),
+        extent: (high - low).to_array(),
+        bone_names: body.skeleton.names.clone(),
+        skin_vertices: body.skin.positions.len(),
+        skin_triangles: body.skin.triangles.len(),
+        attachments: AttachmentReport::of(body, &avatar.attached),
+        mesh: mesh_report,
+        free_nodes: fixed.iter().filter(|f| !**f).count(),
+        deep: softness.deep,
+        handles: HandleReport::new(
+            body,
+            &avatar.handles,
+            handles.per_region,
+            recipe.handles.is_empty(),
+        ),
+        basis: BasisReport {
+            linear_precision,
+            loose_tets,
+            truncation_cost,
+            handles_per_vertex: row_lengths(&avatar.skin.basis),
+            handles_per_point: row_lengths(&avatar.cubature.basis),
+        },
+        cubature: cubature.report,
+        material,
+        material_chosen: recipe.material.is_none(),
+        stiffness: stiffness_spread(&avatar),
+        tissue_mass: avatar.tissue_mass(),
+        bones,
+        notes: Vec::new(),
+        cost: BakeCost {
+            seconds,
+            peak_memory: peak_memory(),
+        },
+    };
+    Ok((avatar, report))
+}
+
+/// Least, mean over the tissue's volume and greatest factor on the stiffness.
+fn stiffness_spread(avatar: &Avatar) -> [f64; 3] {
+    let values = || avatar.tissue.iter().map(|t| t.stiffness);
+    let weights = &avatar.cubature.measure;
+    let sum: f64 = values().zip(weights).map(|(s, w)| s * w).sum();
+    let (least, greatest) = values().fold((f64::INFINITY, 0.0_f64), |(low, high), s| {
+        (low.min(s), high.max(s))
+    });
+    [least, sum / weights.iter().sum::<f64>(), greatest]
+}
+
+/// A node of no tet would be a handle without stiffness.
+fn check_nodes(mesh: &TetMesh) -> Result<()> {
+    let mut used = vec![false; mesh.nodes.len()];
+    (mesh.tets.iter().flatten()).for_each(|&n| used[n as usize] = true);
+    match used.iter().position(|u| !u) {
+        None if !mesh.tets.is_empty() => Ok(()),
+        None => Err(Error::invalid(
+            "layer.mesh",
+            "is empty: mesh the layer first",
+        )),
+        Some(n) => {
+            let problem = format!("node {n} belongs to no tet: remove it");
+            Err(Error::invalid("layer.mesh", problem))
+        }
+    }
+}
+
+/// Mean length of the rows that hold anything, and the longest.
+fn row_lengths<T>(rows: &Rows<T>) -> (f64, usize) {
+    let filled = rows.iter().filter(|r| !r.is_empty()).count();
+    (
+        rows.entries().len() as f64 / filled.max(1) as f64,
+        rows.longest(),
+    )
+}
+
+/// Tells the phases and times them.
+struct Clock<'a, 'b> {
+    progress: &'a mut Progress<'b>,
+    phase: usize,
+    since: Instant,
+    seconds: Vec<(String, f64)>,
+}
+
+impl<'a, 'b> Clock<'a, 'b> {
+    fn new(progress: &'a mut Progress<'b>) -> Self {
+        Self {
+            progress,
+            phase: 0,
+            since: Instant::now(),
+            seconds: Vec::new(),
+        }
+    }
+
+    fn start(&mut self, phase: usize) {
+        if phase > 0 {
+            self.note();
+        }
+        self.phase = phase;
+        self.since = Instant::now();
+        (self.progress)(phase);
+    }
+
+    fn note(&mut self) {
+        let seconds = self.since.elapsed().as_secs_f64();
+        self.seconds.push((PHASES[self.phase].into(), seconds));
+    }
+
+    fn finish(mut self) -> Vec<(String, f64)> {
+        self.note();
+        (self.progress)(PHASES.len());
+        self.seconds
+    }
+}

@@ -1,0 +1,8 @@
+//! Bones: their masses, and how far joints turn.
+
+mod bone_mass;
+mod core_volume;
+mod limits;
+
+pub use bone_mass::{BoneMassReport, bone_masses};
+pub use limits::{JointLimitKey, set_limits};

@@ -1,0 +1,12 @@
+//! Where handles stand: chosen by a recipe's regions or by the tissue's softness.
+
+pub(crate) mod automatic;
+mod candidates;
+#[allow(clippy::module_inception)]
+mod handles;
+mod sampling;
+mod softness;
+
+pub use handles::{HandlePlace, HandleRegion, Handles};
+pub use sampling::{Density, farthest_points, weighted_farthest_points};
+pub use softness::Softness;

@@ -1,0 +1,129 @@
+//! `supple bake`.
+
+use super::bake_report::print_bake_report;
+use super::make_folder;
+use super::terminal::{baking, print, print_json};
+use std::path::{Path, PathBuf};
+use supple::model::Avatar;
+use supple::{Error, Result};
+use supple_bake::{BakeReport, bake, write_baked};
+use supple_pictures::write_bake_pictures;
+use supple_scene::{AvatarSource, SourceBody, avatar_source_of, read_recipe_for};
+
+/// Arguments of `supple bake`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A character (.npz, .pkl, .glb, .gltf, .vrm, .obj, tets), or a TOML file: a recipe that names one, or a scene.
+    file: PathBuf,
+    /// A recipe for FILE: a TOML file whose keys override what the bake would choose.
+    #[arg(long)]
+    recipe: Option<PathBuf>,
+    /// Shape parameters of the person, in the model's order: 1.5,-0.3,…
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    shape: Vec<f64>,
+    /// The baked file [default: out/<FILE>.supple].
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Where the pictures go [default: beside the baked file, <FILE>.bake].
+    #[arg(long, conflicts_with = "no_pictures")]
+    pictures: Option<PathBuf>,
+    /// No pictures.
+    #[arg(long)]
+    no_pictures: bool,
+    /// Write the bake's figures to stdout as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Arguments {
+    /// Bakes.
+    pub fn run(self) -> Result<()> {
+        let source = self.source()?;
+        let (avatar, report) = self.bake(&source)?;
+        let output = self.output();
+        if let Some(folder) = output.parent() {
+            make_folder(folder)?;
+        }
+        write_baked(&avatar, &report, &output)?;
+        let pictures = (!self.no_pictures).then(|| match &self.pictures {
+            Some(folder) => folder.clone(),
+            None => output.with_extension("bake"),
+        });
+        if let Some(folder) = &pictures {
+            make_folder(folder)?;
+            write_bake_pictures(&avatar, folder)?;
+        }
+        if self.json {
+            return print_json(&report);
+        }
+        print_bake_report(&report);
+        print(format_args!("\nwritten to {}", output.display()));
+        if let Some(folder) = &pictures {
+            print(format_args!("pictures in {}", folder.display()));
+        }
+        Ok(())
+    }
+
+    fn source(&self) -> Result<AvatarSource> {
+        let mut source = match &self.recipe {
+            Some(recipe) => read_recipe_for(recipe, &self.file)?,
+            None => avatar_source_of(&self.file)?,
+        };
+        if !self.shape.is_empty() {
+            source
+                .set_shape(&self.shape)
+                .map_err(|e| name_file(e, &self.file))?;
+        }
+        Ok(source)
+    }
+
+    /// The avatar of `source`; an error names the file that is to blame.
+    fn bake(&self, source: &AvatarSource) -> Result<(Avatar, BakeReport)> {
+        let SourceBody {
+            body,
+            recipe,
+            notes,
+        } = source.read().map_err(|e| name_file(e, &self.file))?;
+        let baked = bake(&body, &recipe, &mut baking(&body.name));
+        let recipe = self.recipe.as_ref().unwrap_or(&self.file);
+        // Which of the recipe's tables a field of the bake's errors is in.
+        let table = |field: &str| {
+            let starts = |keys: &[&str]| keys.iter().any(|key| field.starts_with(key));
+            if starts(&["handles", "cubature", "mesher", "material", "truncation"]) {
+                Some("bake.")
+            } else if starts(&["thickness", "painted_thickness", "layers", "nodes", "cell"]) {
+                Some("bake.mesher.")
+            } else {
+                None
+            }
+        };
+        let named = baked.map_err(|e| match e {
+            Error::Invalid { field, problem } => match table(&field) {
+                Some(table) => Error::format(recipe, format!("{table}{field}"), problem),
+                None => Error::format(&self.file, field, problem),
+            },
+            other => name_file(other, &self.file),
+        });
+        let (avatar, report) = named?;
+        Ok((avatar, BakeReport { notes, ..report }))
+    }
+
+    fn output(&self) -> PathBuf {
+        let default = || {
+            let mut name = self.file.file_stem().unwrap_or_default().to_owned();
+            name.push(".supple");
+            Path::new("out").join(name)
+        };
+        self.output.clone().unwrap_or_else(default)
+    }
+}
+
+/// `error` as one of the file at `path`, unless it names one.
+fn name_file(error: Error, path: &Path) -> Error {
+    match error {
+        Error::Invalid { field, problem } => Error::format(path, field, problem),
+        Error::Solve { system, problem } => Error::format(path, system, problem),
+        Error::NotFinite { quantity } => Error::format(path, quantity, "is not finite"),
+        other => other,
+    }
+}

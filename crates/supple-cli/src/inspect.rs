@@ -1,0 +1,182 @@
+//! `supple inspect`.
+
+use super::bake_report::print_bake_report;
+use super::preview::Preview;
+use super::terminal::{print, print_json, print_table};
+use serde::Serialize;
+use std::path::PathBuf;
+use supple::model::Avatar;
+use supple::{Error, Result};
+use supple_bake::{BakeReport, Baked, read_baked};
+use supple_files::FileKind;
+
+/// Arguments of `supple inspect`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A baked file, or a character file (.npz, .pkl, .glb, .gltf, .vrm, .obj, tets).
+    file: PathBuf,
+    /// JSON in place of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a baked file holds.
+#[derive(Serialize)]
+struct Contents {
+    name: String,
+    bones: usize,
+    dofs: usize,
+    handles: usize,
+    cubature_points: usize,
+    vertices: usize,
+    attached_vertices: usize,
+    triangles: usize,
+    nodes: usize,
+    tets: usize,
+    tissue_volume_ml: f64,
+    tissue_mass_kg: f64,
+    bone_mass_kg: f64,
+    density: f64,
+    damping_time: f64,
+    captured_under_gravity: bool,
+    pose_features: usize,
+    most_bones_of_a_vertex: usize,
+    most_handles_of_a_vertex: usize,
+    most_handles_of_a_point: usize,
+    material: supple::material::Material,
+    /// Factor on its stiffness: least and greatest over the cubature points.
+    stiffness: [f64; 2],
+    /// What the bake did.
+    bake: Option<BakeReport>,
+}
+
+impl Contents {
+    fn new(avatar: &Avatar, bake: Option<BakeReport>) -> Self {
+        Self {
+            name: avatar.name.clone(),
+            bones: avatar.skeleton.len(),
+            dofs: avatar.space().dofs(),
+            handles: avatar.handles.len(),
+            cubature_points: avatar.cubature.len(),
+            vertices: avatar.tissue_vertices(),
+            attached_vertices: avatar.attached.len(),
+            triangles: avatar.triangles.len(),
+            nodes: avatar.layer.mesh.nodes.len(),
+            tets: avatar.layer.mesh.tets.len(),
+            tissue_volume_ml: 1e6 * avatar.cubature.measure.iter().sum::<f64>(),
+            tissue_mass_kg: avatar.tissue_mass(),
+            bone_mass_kg: avatar
+                .bone_masses
+                .iter()
+                .map(|b| b.second_moment[3][3])
+                .sum(),
+            density: avatar.density,
+            damping_time: avatar.damping_time,
+            captured_under_gravity: avatar.captured_under_gravity,
+            pose_features: avatar.skin.pose_blend.features,
+            most_bones_of_a_vertex: avatar.skin.skinning.longest(),
+            most_handles_of_a_vertex: avatar.skin.basis.longest(),
+            most_handles_of_a_point: avatar.cubature.basis.longest(),
+            material: avatar.material,
+            stiffness: stiffness(avatar),
+            bake,
+        }
+    }
+
+    /// What the bake's report does not say, and all of it where there is none.
+    fn print(&self) {
+        if self.bake.is_none() {
+            print_table([
+                ("name", self.name.clone()),
+                ("bones", self.bones.to_string()),
+                ("handles", self.handles.to_string()),
+                ("cubature points", self.cubature_points.to_string()),
+                (
+                    "skin",
+                    format!("{} vertices, {} triangles", self.vertices, self.triangles),
+                ),
+                ("attached", format!("{} vertices", self.attached_vertices)),
+                (
+                    "soft layer",
+                    format!("{} nodes, {} tets", self.nodes, self.tets),
+                ),
+                (
+                    "tissue",
+                    format!(
+                        "{:.1} ml, {:.4} kg",
+                        self.tissue_volume_ml, self.tissue_mass_kg
+                    ),
+                ),
+                ("bones' mass", format!("{:.4} kg", self.bone_mass_kg)),
+                ("material", self.material.to_string()),
+            ]);
+        }
+        print_table([
+            ("degrees of freedom", self.dofs.to_string()),
+            ("density", format!("{} kg/m³", self.density)),
+            ("damping time", format!("{} s", self.damping_time)),
+            (
+                "captured under gravity",
+                self.captured_under_gravity.to_string(),
+            ),
+            ("pose features", self.pose_features.to_string()),
+            (
+                "bones of a vertex",
+                format!("at most {}", self.most_bones_of_a_vertex),
+            ),
+            (
+                "handles of a vertex",
+                format!("at most {}", self.most_handles_of_a_vertex),
+            ),
+            (
+                "handles of a point",
+                format!("at most {}", self.most_handles_of_a_point),
+            ),
+            (
+                "stiffness",
+                format!("× {:.2} to {:.2}", self.stiffness[0], self.stiffness[1]),
+            ),
+        ]);
+    }
+}
+
+/// Least and greatest factor on the stiffness.
+fn stiffness(avatar: &Avatar) -> [f64; 2] {
+    let values = (0..avatar.cubature.len()).map(|i| avatar.tissue_at(i).local.stiffness);
+    values.fold([f64::INFINITY, 0.0], |[low, high], s| {
+        [low.min(s), high.max(s)]
+    })
+}
+
+impl Arguments {
+    /// Reads and tells.
+    pub fn run(self) -> Result<()> {
+        match FileKind::of(&self.file)? {
+            FileKind::Baked => {
+                let Baked { avatar, report } = read_baked(&self.file)?;
+                let contents = Contents::new(&avatar, report);
+                if self.json {
+                    return print_json(&contents);
+                }
+                if let Some(report) = &contents.bake {
+                    print_bake_report(report);
+                }
+                contents.print();
+            }
+            FileKind::Character(_) => {
+                let preview = Preview::read(&self.file)?;
+                if self.json {
+                    return print_json(&preview);
+                }
+                preview.print();
+                let file = self.file.display();
+                print(format_args!("\nnot baked yet: supple bake {file}"));
+            }
+            FileKind::Toml => {
+                let problem = "is a recipe or a scene, not a baked avatar: `supple bake` it first";
+                return Err(Error::format(&self.file, "format", problem));
+            }
+        }
+        Ok(())
+    }
+}

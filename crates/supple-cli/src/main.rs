@@ -1,0 +1,5 @@
+//! The `supple` command.
+
+fn main() -> std::process::ExitCode {
+    supple_cli::main()
+}

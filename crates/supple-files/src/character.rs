@@ -1,0 +1,292 @@
+//! Any character file: what it is, and the body in it.
+
+use super::{SmplModel, read_gltf, read_obj, read_smpl_model, read_tets, separate_tissue};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use supple::internal::math::Rows;
+use supple::model::{PoseBlend, Skeleton, SkinWeight, Surface};
+use supple::{Error, Result};
+use supple_bake::{Body, LayerMesh};
+
+/// What a character file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CharacterFormat {
+    /// SMPL, SMPL-H, SMPL-X or MANO: `.npz`, `.pkl`.
+    Smpl,
+    /// `.glb`, `.gltf`, `.vrm`.
+    Gltf,
+    /// A skin around one bone: `.obj`.
+    Obj,
+    /// Tets ([`read_tets`]): `.node` and `.ele`, `.msh`, `.mesh`, `.meshb`, and plain text.
+    Tets,
+}
+
+/// What a file is, judged by its first bytes and its extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A character to be baked.
+    Character(CharacterFormat),
+    /// A recipe or a scene.
+    Toml,
+    /// A baked avatar.
+    Baked,
+}
+
+/// What can be read, for messages.
+const KNOWN: &str = "known are .npz and .pkl (SMPL, SMPL-H, SMPL-X, MANO), .glb, .gltf and .vrm, .obj (a skin around one \
+                     bone), .node/.ele, .msh and .mesh (tets), .toml (a recipe or a scene)";
+
+impl FileKind {
+    /// The kind of the file at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Format`] of anything else, with what can be read.
+    pub fn of(path: &Path) -> Result<Self> {
+        let mut start = [0; 64];
+        let mut length = 0;
+        let mut file = File::open(path).map_err(|e| Error::io(path, e))?;
+        loop {
+            match file.read(&mut start[length..]) {
+                Ok(0) => break,
+                Ok(read) => length += read,
+                Err(e) => return Err(Error::io(path, e)),
+            }
+        }
+        if length == 0 {
+            return Err(Error::format(path, "format", "is empty"));
+        }
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        Self::from_start(&start[..length], &extension.to_lowercase())
+            .map_err(|problem| Error::format(path, "format", problem))
+    }
+
+    /// By content where that is plain, else by extension.
+    fn from_start(start: &[u8], extension: &str) -> Result<Self, String> {
+        use CharacterFormat::{Gltf, Obj, Smpl, Tets};
+        const PICKLE: u8 = 0x80;
+        let text = String::from_utf8_lossy(start);
+        let begins = |word: &str| text.trim_start().starts_with(word);
+        Ok(match extension {
+            _ if start.starts_with(b"SUPPLE\r\n") => Self::Baked,
+            _ if start.starts_with(b"glTF") => Self::Character(Gltf),
+            _ if start.starts_with(b"PK\x03\x04") => Self::Character(Smpl),
+            _ if start.first() == Some(&PICKLE) => Self::Character(Smpl),
+            _ if begins("$MeshFormat") || begins("MeshVersionFormatted") => Self::Character(Tets),
+            "npz" | "pkl" | "pickle" => Self::Character(Smpl),
+            "glb" | "gltf" | "vrm" => Self::Character(Gltf),
+            "obj" => Self::Character(Obj),
+            "node" | "ele" | "face" | "msh" | "mesh" | "meshb" | "txt" => Self::Character(Tets),
+            "toml" => Self::Toml,
+            "supple" => return Err("is no baked avatar, or was cut short: bake it again".into()),
+            "bvh" | "jsonl" | "js" => {
+                let problem = "is a motion, and a character is needed: name the motion in a scene";
+                return Err(problem.into());
+            }
+            "" => return Err(format!("has no extension and is not recognised; {KNOWN}")),
+            other => return Err(format!("a .{other} file cannot be read; {KNOWN}")),
+        })
+    }
+}
+
+/// What a character file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CharacterFile {
+    /// What the file is.
+    pub format: CharacterFormat,
+    /// The body; its layer is meshed only where the file holds tets.
+    pub body: Body,
+    /// The file's own vertex that each skin vertex is; none for a glTF file, whose seams are welded.
+    pub file_vertices: Vec<u32>,
+    /// Vertices in the file, for the kinds that have `file_vertices`.
+    pub file_vertex_count: usize,
+    /// Names of its shape directions, in order.
+    pub shapes: Vec<String>,
+    /// What was decided about the file, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// What is asked of a character file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CharacterOptions {
+    /// Amounts of its shapes, in order; missing ones are 0, or the file's own default.
+    pub betas: Vec<f64>,
+    /// Bones that regions of tets are, by the file's labels.
+    pub regions: BTreeMap<String, String>,
+}
+
+/// Reads the character file at `path`.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Format`] with the key or line at fault and its cure.
+pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Result<CharacterFile> {
+    let path = path.as_ref();
+    let betas = &options.betas;
+    let format = match FileKind::of(path)? {
+        FileKind::Character(format) => format,
+        FileKind::Toml => {
+            let problem = "is a recipe or a scene, and a character file is needed";
+            return Err(Error::format(path, "format", problem));
+        }
+        FileKind::Baked => return Err(Error::format(path, "format", "is baked already")),
+    };
+    let check_betas = |known: usize| {
+        if let Some(k) = betas.iter().position(|b| !b.is_finite()) {
+            let problem = format!("must be a finite number, is {}", betas[k]);
+            return Err(Error::format(path, format!("shape[{k}]"), problem));
+        }
+        if betas.len() > known {
+            let given = betas.len();
+            let problem = format!("{given} numbers are given; the model has {known} shapes");
+            return Err(Error::format(path, "shape", problem));
+        }
+        Ok(())
+    };
+    let mut file = CharacterFile {
+        format,
+        body: skin_around_one_bone("", Vec::new()),
+        file_vertices: Vec::new(),
+        file_vertex_count: 0,
+        shapes: Vec::new(),
+        notes: Vec::new(),
+    };
+    let name = stem(path);
+    match format {
+        CharacterFormat::Smpl => {
+            let SmplModel { model, shapes, .. } = read_smpl_model(path)?;
+            let directions = model.shape_directions.len();
+            check_betas(directions)?;
+            file.body = Body::of_model(&name, &model, betas, Vec::new());
+            file.separate();
+            let called = |k: usize| match k.checked_sub(shapes) {
+                None => format!("shape {k}"),
+                Some(k) => format!("expression {k}"),
+            };
+            file.shapes = (0..directions).map(called).collect();
+        }
+        CharacterFormat::Gltf => {
+            let character = read_gltf(path)?;
+            check_betas(character.shapes().len())?;
+            file.body = character.body(betas)?;
+            file.shapes = character.shapes().iter().map(|s| s.name.clone()).collect();
+            file.notes = character.notes;
+        }
+        CharacterFormat::Obj => {
+            check_betas(0)?;
+            file.body = skin_around_one_bone(&name, read_obj(path)?);
+            file.separate();
+        }
+        CharacterFormat::Tets => {
+            check_betas(0)?;
+            let body = read_tets(path)?.body(&name, &options.regions);
+            file.body = body.map_err(|e| e.of_file(path))?;
+            let vertices = file.body.skin.positions.len();
+            file.file_vertex_count = vertices;
+            file.file_vertices = (0..vertices as u32).collect();
+        }
+    }
+    Ok(file)
+}
+
+impl CharacterFile {
+    /// Attaches what is not tissue, and keeps account of the file's vertices.
+    fn separate(&mut self) {
+        /// A map that goes through the separation and is taken out again.
+        const VERTEX: &str = "vertex of the file";
+        let whole = &mut self.body;
+        self.file_vertex_count = whole.skin.positions.len();
+        let numbers = (0..self.file_vertex_count).map(|v| v as f64).collect();
+        whole.painted.insert(VERTEX.into(), numbers);
+        self.body = separate_tissue(whole.clone());
+        let numbers = self.body.painted.remove(VERTEX).unwrap_or_default();
+        self.file_vertices = numbers.into_iter().map(|v| v as u32).collect();
+    }
+
+    /// Paints `map`, a number for each of the file's vertices, on the skin.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the numbers are not as many as the file's vertices, or the file is a glTF file: paint a
+    /// vertex attribute there.
+    pub fn paint(&mut self, name: &str, map: &[f64]) -> Result<()> {
+        if self.file_vertices.is_empty() {
+            let problem = "vertices of a glTF file are welded: paint a scalar vertex attribute `_NAME` or a colour \
+                           in the file itself";
+            return Err(Error::invalid(format!("painted.{name}"), problem));
+        }
+        if map.len() != self.file_vertex_count {
+            let (found, expected) = (map.len(), self.file_vertex_count);
+            let problem =
+                format!("holds {found} numbers; the character file has {expected} vertices");
+            return Err(Error::invalid(format!("painted.{name}"), problem));
+        }
+        let values = self.file_vertices.iter().map(|&v| map[v as usize]);
+        self.body.painted.insert(name.into(), values.collect());
+        Ok(())
+    }
+}
+
+/// All surfaces of `objects` around one bone in their middle.
+fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
+    let mut skin = Surface::default();
+    for (_, part) in objects {
+        let first = skin.positions.len() as u32;
+        skin.positions.extend(part.positions);
+        let shifted = part.triangles.into_iter().map(|t| t.map(|v| v + first));
+        skin.triangles.extend(shifted);
+    }
+    let (low, high) = skin.bounds();
+    let whole = SkinWeight {
+        bone: 0,
+        weight: 1.0,
+    };
+    Body {
+        name: name.into(),
+        skeleton: Skeleton {
+            names: vec!["bone".into()],
+            parents: vec![None],
+            joints: vec![0.5 * (low + high)],
+            aliases: Vec::new(),
+            limits: Vec::new(),
+        },
+        skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),
+        skin,
+        pose_blend: PoseBlend::default(),
+        bone_surfaces: Vec::new(),
+        layer: LayerMesh::default(),
+        painted: Default::default(),
+        attachments: Vec::new(),
+        drawn: Vec::new(),
+    }
+}
+
+/// File name without folder and extension.
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_by_content_before_extension() {
+        use CharacterFormat::{Gltf, Smpl, Tets};
+        let kind = |start: &[u8], extension: &str| FileKind::from_start(start, extension);
+        let character = |format| Ok(FileKind::Character(format));
+        assert_eq!(kind(b"glTF\x02\0\0\0", "bin"), character(Gltf));
+        assert_eq!(kind(b"PK\x03\x04..", ""), character(Smpl));
+        assert_eq!(kind(b"\x80\x04\x95", "model"), character(Smpl));
+        assert_eq!(kind(b"{\"asset\"", "gltf"), character(Gltf));
+        assert_eq!(kind(b"\n$MeshFormat\n4.1", "txt"), character(Tets));
+        assert_eq!(kind(b"SUPPLE\r\n\x02", "glb"), Ok(FileKind::Baked));
+        assert_eq!(kind(b"model = ", "toml"), Ok(FileKind::Toml));
+        for (extension, hint) in [("bvh", "motion"), ("fbx", ".glb"), ("", "no extension")] {
+            let problem = kind(b"????", extension).unwrap_err();
+            assert!(problem.contains(hint), "{problem}");
+        }
+    }
+}

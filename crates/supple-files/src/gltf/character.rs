@@ -1,0 +1,91 @@
+//! A character as its file tells it: a body, its shapes, and what else is there.
+
+use super::BoneCollider;
+use crate::tissue::separate_tissue;
+use glam::DVec3;
+use supple::model::{Frame, PoseBlend, SkinWeight, Surface};
+use supple::{Error, Result};
+use supple_bake::{Attachment, Body};
+
+/// A morph target: a direction in which the body's shape varies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// Its name in the file.
+    pub name: String,
+    /// Its amount where nothing else is said.
+    pub default: f64,
+    /// Vertices of all surfaces together that it moves, rising, with the displacement at amount 1, m.
+    pub moves: Vec<(u32, DVec3)>,
+}
+
+/// All surfaces of a file in one skin, with every shape at 0.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Whole {
+    /// `drawn` numbers the skin's vertices and then the copies.
+    pub body: Body,
+    /// Vertices that are drawn with weights of their own where a skin vertex is.
+    pub copies: Vec<(u32, Vec<SkinWeight>)>,
+    pub shapes: Vec<Shape>,
+}
+
+/// What a character file holds. Made by [`super::read_gltf()`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Character {
+    pub(super) whole: Whole,
+    /// Bones in the file's rest pose: rotation from the reference shape, joint place.
+    pub rest: Vec<Frame>,
+    /// Spheres and capsules fixed to bones (VRM's collider groups).
+    pub colliders: Vec<BoneCollider>,
+    /// Where it looks: along z, but characters of VRM 0.x along −z.
+    pub faces: DVec3,
+    /// What was decided about the file and a person may want to know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Character {
+    /// Directions in which the shape varies. Joints stay put.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.whole.shapes
+    }
+
+    /// The body in the shape of `amounts`, one for each of [`Character::shapes`]; missing ones are at
+    /// their defaults. What is not tissue is attached ([`separate_tissue`]); the layer is not yet meshed.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there are more amounts than shapes, or one is not finite.
+    pub fn body(&self, amounts: &[f64]) -> Result<Body> {
+        let Whole {
+            body,
+            copies,
+            shapes,
+        } = &self.whole;
+        if amounts.len() > shapes.len() || amounts.iter().any(|a| !a.is_finite()) {
+            let problem = format!("{} finite amounts at most are of use", shapes.len());
+            return Err(Error::invalid("shape", problem));
+        }
+        let mut body = body.clone();
+        let positions = &mut body.skin.positions;
+        for (k, shape) in shapes.iter().enumerate() {
+            let amount = amounts.get(k).copied().unwrap_or(shape.default);
+            for &(v, d) in &shape.moves {
+                positions[v as usize] += amount * d;
+            }
+        }
+        if !positions.iter().all(|p| p.is_finite()) {
+            return Err(Error::invalid("shape", "takes a vertex out of all bounds"));
+        }
+        if !copies.is_empty() {
+            body.attachments.push(Attachment {
+                name: "copies along cuts".into(),
+                surface: Surface {
+                    positions: copies.iter().map(|(v, _)| positions[*v as usize]).collect(),
+                    triangles: Vec::new(),
+                },
+                skinning: copies.iter().map(|(_, row)| row.clone()).collect(),
+                pose_blend: PoseBlend::default(),
+                follows_tissue: true,
+            });
+        }
+        Ok(separate_tissue(body))
+    }
+}

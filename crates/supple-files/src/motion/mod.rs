@@ -1,0 +1,25 @@
+//! Recorded and live motion on an avatar's skeleton: bones mapped by name, rest poses aligned, the way
+//! over the ground scaled and placed, frames for every time step.
+
+mod bone_map;
+mod clip_player;
+mod fit;
+mod ground;
+mod mirror;
+mod motion_clip;
+mod names;
+mod pose;
+mod pose_player;
+mod retarget;
+pub mod smpl;
+mod unit;
+
+pub use bone_map::{BoneMap, MapOptions};
+pub use clip_player::{ClipOptions, ClipPlayer, Origin, blend};
+pub use mirror::{mirrored_clip, mirrored_header, mirrored_poses};
+pub use motion_clip::{MotionClip, MotionFrame, UpAxis};
+pub use names::{BodyPart, Finger, Part, Side, body_parts};
+pub use pose::{BonePose, BonePoses, PoseHeader};
+pub use pose_player::{NextPose, PoseOptions, PosePlayer};
+pub use retarget::{Align, Retarget, RetargetOptions, SourceSkeleton};
+pub use unit::Unit;

@@ -1,0 +1,78 @@
+//! Parametric models in SMPL's `.npz` layout, as [`crate::smpl::read_smpl`] reads them.
+
+use crate::npy::{encode_f64, encode_texts, encode_u32};
+use glam::DVec3;
+use std::io::{Cursor, Write};
+use std::path::Path;
+use supple::{Error, Result};
+use supple_bake::ParametricModel;
+use zip::write::SimpleFileOptions;
+
+/// Writes `model` to `path`. The same model gives the same bytes.
+pub fn write_smpl(model: &ParametricModel, path: impl AsRef<Path>) -> Result<()> {
+    let path = path.as_ref();
+    let failed = |e| Error::format(path, "archive", format!("could not be packed: {e}"));
+    let bytes = pack(&arrays(model)).map_err(failed)?;
+    std::fs::write(path, bytes).map_err(|e| Error::io(path, e))
+}
+
+fn pack(arrays: &[(&str, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default()
+        .compression_method(zip::CompressionMethod::Deflated)
+        .last_modified_time(zip::DateTime::DEFAULT)
+        .unix_permissions(0o644);
+    for (key, bytes) in arrays {
+        zip.start_file(format!("{key}.npy"), options)?;
+        zip.write_all(bytes)?;
+    }
+    Ok(zip.finish()?.into_inner())
+}
+
+/// Every key with its `.npy` file.
+fn arrays(model: &ParametricModel) -> Vec<(&'static str, Vec<u8>)> {
+    let (vertices, bones) = (model.template.len(), model.parents.len());
+    let numbers = |v: &[DVec3]| v.iter().flat_map(DVec3::to_array).collect::<Vec<_>>();
+    let mut weights = vec![0.0; vertices * bones];
+    for (v, row) in model.weights.iter().enumerate() {
+        row.iter()
+            .for_each(|w| weights[v * bones + w.bone as usize] = w.weight);
+    }
+    let mut regressor = vec![0.0; bones * vertices];
+    for (j, row) in model.joint_regressor.iter().enumerate() {
+        row.iter()
+            .for_each(|(v, share)| regressor[j * vertices + *v as usize] = *share);
+    }
+    let parents = model.parents.iter().map(|p| p.unwrap_or(u32::MAX));
+    let tree: Vec<u32> = parents.chain(0..bones as u32).collect();
+    let triangles = model.triangles.as_flattened();
+    let mut out = vec![
+        (
+            "v_template",
+            encode_f64(&[vertices, 3], &numbers(&model.template)),
+        ),
+        ("f", encode_u32(&[model.triangles.len(), 3], triangles)),
+        ("weights", encode_f64(&[vertices, bones], &weights)),
+        ("J_regressor", encode_f64(&[bones, vertices], &regressor)),
+        ("kintree_table", encode_u32(&[2, bones], &tree)),
+        ("joint_names", encode_texts(&model.names)),
+    ];
+    for (key, directions) in [
+        ("shapedirs", &model.shape_directions),
+        ("posedirs", &model.pose_directions),
+    ] {
+        if !directions.is_empty() {
+            let shape = [vertices, 3, directions.len()];
+            out.push((key, encode_f64(&shape, &transposed(directions, vertices))));
+        }
+    }
+    out
+}
+
+/// vertices × 3 × count numbers of `directions[k][v]`.
+fn transposed(directions: &[Vec<DVec3>], vertices: usize) -> Vec<f64> {
+    let place = (0..vertices).flat_map(|v| (0..3).map(move |axis| (v, axis)));
+    place
+        .flat_map(|(v, axis)| directions.iter().map(move |d| d[v][axis]))
+        .collect()
+}

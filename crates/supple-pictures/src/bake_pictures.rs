@@ -1,0 +1,312 @@
+//! Pictures of a bake: handles, a column of the basis, cubature points, skin weights.
+
+use super::{
+    Camera, Colour, ColourScale, Image, Legend, Mesh, Panel, Strip, View, category_colour,
+    colour_map, from_srgb, render,
+};
+use crate::raster::point_cloud;
+use glam::DVec3;
+use std::path::Path;
+use supple::Result;
+use supple::model::{Avatar, SkinWeight, Surface};
+use supple_bake::math::NearestPoint;
+
+/// A picture and the name of its file.
+#[derive(Clone, Debug)]
+pub struct BakePicture {
+    /// File name without extension.
+    pub name: &'static str,
+    /// The picture.
+    pub image: Image,
+}
+
+const SKIN: u32 = 0xd9cfc4;
+const HANDLE: u32 = 0xb3203f;
+/// Pixels of a panel, about.
+const PANEL: f64 = 640.0;
+
+/// The pictures of a baked avatar in its reference shape, framed for any size and posture.
+pub fn bake_pictures(avatar: &Avatar) -> Vec<BakePicture> {
+    let stage = Stage::new(avatar);
+    vec![
+        BakePicture {
+            name: "handles",
+            image: handles(avatar, &stage),
+        },
+        BakePicture {
+            name: "basis",
+            image: basis_column(avatar, &stage),
+        },
+        BakePicture {
+            name: "cubature",
+            image: cubature(avatar, &stage),
+        },
+        BakePicture {
+            name: "skin_weights",
+            image: skin_weights(avatar, &stage),
+        },
+    ]
+}
+
+/// Writes [`bake_pictures`] as PNG files into `folder`, which must exist.
+///
+/// # Errors
+/// [`supple::Error::Io`].
+pub fn write_bake_pictures(avatar: &Avatar, folder: impl AsRef<Path>) -> Result<()> {
+    let folder = folder.as_ref();
+    for picture in bake_pictures(avatar) {
+        let path = folder.join(picture.name).with_extension("png");
+        picture.image.write_png(&path)?;
+    }
+    Ok(())
+}
+
+/// The skin without what is attached to it, and where it is seen from.
+struct Stage {
+    skin: Surface,
+    /// Largest extent, m.
+    size: f64,
+    /// Towards a viewer in front, to the side, up.
+    front: DVec3,
+    side: DVec3,
+    up: DVec3,
+    panel: [usize; 2],
+}
+
+impl Stage {
+    /// Seen along the thinnest extent: a person from the front, a hand from its back. Up is y unless that is the
+    /// thinnest, or z is the longer one of those left.
+    fn new(avatar: &Avatar) -> Self {
+        let points = &avatar.skin;
+        // Attached vertices have no area of their own.
+        let own = |t: &&[u32; 3]| t.iter().any(|&v| points.measure[v as usize] > 0.0);
+        let skin = Surface {
+            positions: points.position.clone(),
+            triangles: avatar.triangles.iter().filter(own).copied().collect(),
+        };
+        let used = (skin.triangles.iter().flatten()).map(|&v| skin.positions[v as usize]);
+        let (low, high) = used.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| {
+            (l.min(p), h.max(p))
+        });
+        let extent = if low.is_finite() {
+            high - low
+        } else {
+            DVec3::ONE
+        };
+        let (front, up) = if extent.y < extent.x.min(extent.z) {
+            (DVec3::Y, DVec3::Z)
+        } else if extent.x < extent.z {
+            (
+                DVec3::X,
+                if extent.z > extent.y {
+                    DVec3::Z
+                } else {
+                    DVec3::Y
+                },
+            )
+        } else {
+            (DVec3::Z, DVec3::Y)
+        };
+        // A hand whose wrist is at the end stands on it.
+        let root = avatar.skeleton.joints[0] - 0.5 * (low + high);
+        let up = if root.dot(up) > 0.25 * up.dot(extent) {
+            -up
+        } else {
+            up
+        };
+        let side = up.cross(front);
+        let aspect = (side.dot(extent).abs() / up.dot(extent).abs()).clamp(0.6, 1.6);
+        Self {
+            skin,
+            size: extent.max_element(),
+            front,
+            side,
+            up,
+            panel: [PANEL * aspect.sqrt(), PANEL / aspect.sqrt()].map(|s| s as usize),
+        }
+    }
+
+    /// From the front and from behind, both a little from above and from the side.
+    fn directions(&self) -> [(DVec3, &'static str); 2] {
+        let from = |front: f64| -(front * self.front + 0.35 * self.side + 0.2 * self.up);
+        [(from(1.0), "front"), (from(-1.0), "back")]
+    }
+
+    fn panel(&self, meshes: &[Mesh], framed: &[DVec3], direction: DVec3, caption: String) -> Panel {
+        let [width, height] = self.panel;
+        let aspect = width as f64 / height as f64;
+        let camera = Camera::framing(framed, direction, self.up, aspect);
+        let view = View {
+            supersampling: 2,
+            lamps: 64,
+            ..View::new(camera, width, height)
+        };
+        Panel {
+            image: render(meshes, &view),
+            caption,
+        }
+    }
+
+    /// Both views of `meshes`.
+    fn both(&self, meshes: &[Mesh], what: &str) -> Vec<Panel> {
+        let framed: Vec<DVec3> = self.corners();
+        let panel = |(direction, side): (DVec3, &str)| {
+            self.panel(meshes, &framed, direction, format!("{what} ({side})"))
+        };
+        self.directions().into_iter().map(panel).collect()
+    }
+
+    /// The places of the skin's triangles.
+    fn corners(&self) -> Vec<DVec3> {
+        let corners = self.skin.triangles.iter().flatten();
+        corners.map(|&v| self.skin.positions[v as usize]).collect()
+    }
+
+    fn sheet(panels: Vec<Panel>, legend: Option<Legend>, key: Vec<(Colour, String)>) -> Image {
+        let strip = Strip {
+            panels,
+            columns: 0,
+            legend,
+            key,
+        };
+        strip.compose(from_srgb(View::BACKGROUND))
+    }
+}
+
+/// Handles as balls on the skin; where they lie inside it, without it.
+fn handles(avatar: &Avatar, stage: &Stage) -> Image {
+    let radius = 0.011 * stage.size;
+    let search = NearestPoint::new(&avatar.skin.position);
+    let inside = |p: &&DVec3| search.distance(**p) > radius;
+    let hidden = avatar.handles.iter().filter(inside).count();
+    let balls = point_cloud(
+        avatar
+            .handles
+            .iter()
+            .map(|&p| (p, radius, from_srgb(HANDLE))),
+    );
+    let mut what = format!("{} handles", avatar.handles.len());
+    let mut meshes = vec![balls];
+    if hidden * 20 > avatar.handles.len() {
+        what += &format!(", {hidden} of them inside: the skin is left out");
+    } else {
+        meshes.push(Mesh::new(stage.skin.clone(), from_srgb(SKIN)));
+    }
+    Stage::sheet(stage.both(&meshes, &what), None, Vec::new())
+}
+
+/// A column as wide as most, of a handle that faces front or back: whole and near.
+fn basis_column(avatar: &Avatar, stage: &Stage) -> Image {
+    let mut strength = vec![0.0; avatar.handles.len()];
+    for (row, area) in avatar.skin.basis.iter().zip(&avatar.skin.measure) {
+        row.iter()
+            .for_each(|u| strength[u.handle as usize] += area * u.value * u.value);
+    }
+    let search = NearestPoint::new(&stage.skin.positions);
+    let normals = stage.skin.vertex_normals();
+    let normal_at = |place: DVec3| {
+        let nearest = search.nearest(place).map_or(0, |(v, _)| v as usize);
+        normals.get(nearest).copied().unwrap_or(stage.front)
+    };
+    let facing = |h: &usize| normal_at(avatar.handles[*h]).dot(stage.front).abs() > 0.8;
+    let mut shown: Vec<usize> = (0..strength.len()).filter(facing).collect();
+    if shown.is_empty() {
+        shown = (0..strength.len()).collect();
+    }
+    shown.sort_by(|a, b| strength[*a].total_cmp(&strength[*b]));
+    let handle = shown.get(shown.len() / 2).copied().unwrap_or(0);
+    let column: Vec<f64> = (avatar.skin.basis.iter())
+        .map(|row| {
+            let entry = row.iter().find(|u| u.handle as usize == handle);
+            entry.map_or(0.0, |u| u.value)
+        })
+        .collect();
+    let skin = Mesh::coloured(
+        stage.skin.clone(),
+        column.iter().map(|&u| colour_map(u)).collect(),
+    );
+    // Seen from outside, where the handle is.
+    let place = avatar.handles.get(handle).copied().unwrap_or_default();
+    let normal = normal_at(place);
+    let towards = -(normal + 0.25 * stage.side + 0.25 * stage.up);
+    let [front, back] = stage.directions();
+    let whole = if normal.dot(stage.front) >= 0.0 {
+        front
+    } else {
+        back
+    };
+    let reached: Vec<DVec3> = (stage.skin.positions.iter().zip(&column))
+        .filter(|(_, u)| **u > 0.02)
+        .map(|(p, _)| *p)
+        .collect();
+    let near = if reached.is_empty() {
+        stage.corners()
+    } else {
+        reached
+    };
+    let meshes = [skin];
+    let panels = vec![
+        stage.panel(
+            &meshes,
+            &stage.corners(),
+            whole.0,
+            format!("U of handle {handle} ({})", whole.1),
+        ),
+        stage.panel(&meshes, &near, towards, "where it acts".into()),
+    ];
+    let legend = Legend {
+        title: "basis function U: 1 at its handle".into(),
+        scale: ColourScale::up_to(1.0),
+    };
+    Stage::sheet(panels, Some(legend), Vec::new())
+}
+
+/// Balls of a fifth of each point's share of the tissue, coloured by it.
+fn cubature(avatar: &Avatar, stage: &Stage) -> Image {
+    let weights = &avatar.cubature.measure;
+    let most = weights.iter().copied().fold(0.0, f64::max);
+    let ball = |(p, w): (&DVec3, &f64)| {
+        let radius = (0.2 * w * 3.0 / (4.0 * std::f64::consts::PI)).cbrt();
+        (*p, radius, colour_map(w / most))
+    };
+    // Thousands of points (every tet) are as good as the first few thousand of them spread evenly.
+    const MOST: usize = 6000;
+    let step = weights.len().div_ceil(MOST).max(1);
+    let shown = avatar.cubature.position.iter().zip(weights).step_by(step);
+    let cloud = point_cloud(shown.map(ball));
+    let what = format!("{} cubature points", weights.len());
+    let (title, unit) = if most < 1e-3 {
+        ("weight (ml)", 1e-6)
+    } else {
+        ("weight (l)", 1e-3)
+    };
+    let legend = Legend {
+        title: title.into(),
+        scale: ColourScale::up_to(most / unit),
+    };
+    Stage::sheet(stage.both(&[cloud], &what), Some(legend), Vec::new())
+}
+
+/// A colour for each bone, mixed by the weights.
+fn skin_weights(avatar: &Avatar, stage: &Stage) -> Image {
+    let mixed = |row: &[SkinWeight]| {
+        (row.iter()).fold([0.0; 3], |sum: Colour, w| {
+            let colour = category_colour(w.bone as usize);
+            std::array::from_fn(|c| sum[c] + w.weight as f32 * colour[c])
+        })
+    };
+    let colours = avatar.skin.skinning.iter().map(mixed).collect();
+    let skin = Mesh::coloured(stage.skin.clone(), colours);
+    let mut used = vec![false; avatar.skeleton.len()];
+    for (row, area) in avatar.skin.skinning.iter().zip(&avatar.skin.measure) {
+        let heaviest = row.iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
+        if let (Some(w), true) = (heaviest, *area > 0.0) {
+            used[w.bone as usize] = true;
+        }
+    }
+    let key = (avatar.skeleton.names.iter().enumerate())
+        .filter(|(j, _)| used[*j])
+        .map(|(j, name)| (category_colour(j), name.clone()))
+        .collect();
+    Stage::sheet(stage.both(&[skin], "skin weights"), None, key)
+}

@@ -1,0 +1,189 @@
+//! A scene's bones and colliders in time.
+
+use super::motion_driver::MotionDriver;
+use crate::motion::Playback;
+use crate::scene::Scene;
+use crate::scene::{Motion, SceneBody, SceneCollider, Target};
+use glam::{DMat3, DVec3};
+use supple::collider::Collider;
+use supple::internal::math::rotation_exp;
+use supple::model::{Avatar, Frame};
+use supple::sim::{Instance, Pin};
+use supple::skeleton::Tracking;
+use supple::{Error, Result};
+use supple_files::BoneMap;
+
+/// A scene whose names are resolved against an avatar.
+pub struct Driver {
+    gravity: DVec3,
+    start: Vec<Frame>,
+    motion: Option<MotionDriver>,
+    pins: Vec<(usize, Motion)>,
+    targets: Vec<(usize, Target)>,
+    colliders: Vec<SceneCollider>,
+    bodies: Vec<SceneBody>,
+    time_step: f64,
+}
+
+impl Driver {
+    /// Finds the scene's bones in `avatar`, and opens its motion; a stream's first pose is waited for.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the bone that is not there and those that are; what opening the motion
+    /// says.
+    pub fn new(scene: &Scene, avatar: &Avatar) -> Result<Self> {
+        let there = avatar.bodies.iter().map(|b| &b.name);
+        if !there.eq(scene.bodies.iter().map(|b| &b.name)) {
+            let problem = "the avatar has others; give it the scene's by Scene::dress";
+            return Err(Error::invalid("bodies", problem));
+        }
+        let all = &avatar.skeleton;
+        let skeleton = &avatar.character();
+        let find = |name: &str, field: String| {
+            all.find(name).ok_or_else(|| {
+                let bones = all.names.join(", ");
+                Error::invalid(
+                    field,
+                    format!("no bone is called {name:?}; there are {bones}"),
+                )
+            })
+        };
+        let radians = |degrees: DVec3| rotation_exp(degrees * std::f64::consts::PI / 180.0);
+        let mut local = vec![DMat3::IDENTITY; skeleton.len()];
+        for (i, pose) in scene.pose.iter().enumerate() {
+            let field = format!("pose[{i}].bone");
+            let bone = find(&pose.bone, field.clone())?;
+            *(local.get_mut(bone)).ok_or_else(|| Error::invalid(field, "names a body"))? =
+                radians(pose.rotation_degrees);
+        }
+        let up = (-scene.gravity).normalize_or(DVec3::Z);
+        let motion = scene.motion.as_ref();
+        let playback = motion
+            .map(|m| Playback::open(m, skeleton, up))
+            .transpose()?;
+        let placed = radians(scene.placement.rotation_degrees);
+        local[0] = match &playback {
+            Some(p) if scene.placement.rotation_degrees == DVec3::ZERO => p.retarget().standing(),
+            _ => placed,
+        } * local[0];
+        let root = skeleton.joints[0] + scene.placement.position;
+        let mut start = skeleton.forward_kinematics(&local, root);
+        let pins = scene.pins.iter().enumerate().map(|(i, pin)| {
+            Ok((
+                find(&pin.bone, format!("pins[{i}].bone"))?,
+                pin.motion.clone(),
+            ))
+        });
+        let targets = scene.targets.iter().enumerate().map(|(i, target)| {
+            Ok((
+                find(&target.bone, format!("targets[{i}].bone"))?,
+                target.clone(),
+            ))
+        });
+        let pins: Vec<_> = pins.collect::<Result<_>>()?;
+        let targets: Vec<_> = targets.collect::<Result<_>>()?;
+        let own = |bone: usize| {
+            pins.iter().any(|(b, _)| *b == bone) || targets.iter().any(|(b, _)| *b == bone)
+        };
+        let motion = match motion.zip(playback) {
+            Some((motion, playback)) => Some(MotionDriver::new(
+                motion, playback, skeleton, &mut start, own,
+            )?),
+            None => None,
+        };
+        start.extend(scene.bodies.iter().map(SceneBody::place));
+        Ok(Self {
+            gravity: scene.gravity,
+            start,
+            motion,
+            pins,
+            targets,
+            colliders: scene.colliders.clone(),
+            bodies: scene.bodies.clone(),
+            time_step: scene.settings.time_step,
+        })
+    }
+
+    /// Puts `instance` where the scene starts, at rest but for its bodies.
+    pub fn start(&self, avatar: &Avatar, instance: &mut Instance) {
+        instance.pose(&self.start, &avatar.skeleton.parents);
+        instance.gravity = self.gravity;
+        for (i, body) in self.bodies.iter().enumerate() {
+            let (frame, h) = (avatar.body_frame(i), self.time_step);
+            instance.throw(frame, self.start[frame], body.velocity, body.spin(), h);
+        }
+        let pin = |(bone, motion): &(usize, Motion)| Pin {
+            bone: *bone,
+            frame: self.driven(*bone, motion, 0.0),
+        };
+        instance.pins = self.pins.iter().map(pin).collect();
+        let target = |(bone, target): &(usize, Target)| Tracking {
+            position: Some(target.position),
+            rotation: Some(target.rotation),
+            ..Tracking::new(*bone, self.driven(*bone, &target.motion, 0.0))
+        };
+        instance.targets = self.targets.iter().map(target).collect();
+        if let Some(motion) = &self.motion {
+            motion.start(&self.start, instance);
+        }
+        let collider = |c: &SceneCollider| Collider {
+            stiffness: c.stiffness,
+            margin: c.margin,
+            friction: c.friction,
+            ..Collider::new((*c.shape).clone(), c.motion.at(0.0))
+        };
+        instance.colliders = avatar.body_colliders().collect();
+        (instance.colliders).extend(self.colliders.iter().map(collider));
+    }
+
+    /// Which of the motion's bones drives which of the avatar's, if there is a motion.
+    pub fn bone_map(&self) -> Option<&BoneMap> {
+        self.motion.as_ref().map(MotionDriver::bone_map)
+    }
+
+    /// Moves what is driven to `time`, the end of the next step. Times must not fall; a stream is waited
+    /// for.
+    ///
+    /// # Errors
+    /// What reading a stream of poses says.
+    pub fn drive(&mut self, time: f64, instance: &mut Instance) -> Result<()> {
+        for (pin, (bone, motion)) in instance.pins.iter_mut().zip(&self.pins) {
+            pin.frame = self.driven(*bone, motion, time);
+        }
+        for (target, (bone, wanted)) in instance.targets.iter_mut().zip(&self.targets) {
+            target.frame = self.driven(*bone, &wanted.motion, time);
+        }
+        for (collider, frame) in instance
+            .colliders
+            .iter_mut()
+            .skip(self.bodies.len())
+            .zip(self.collider_frames(time))
+        {
+            collider.frame = frame;
+        }
+        match &mut self.motion {
+            Some(motion) => motion.drive(
+                time,
+                &self.start,
+                self.pins.len(),
+                self.targets.len(),
+                instance,
+            ),
+            None => Ok(()),
+        }
+    }
+
+    /// Where the colliders are at `time`.
+    pub fn collider_frames(&self, time: f64) -> impl Iterator<Item = Frame> {
+        self.colliders.iter().map(move |c| c.motion.at(time))
+    }
+
+    /// A bone's frame at the start, moved by `motion`.
+    fn driven(&self, bone: usize, motion: &Motion, time: f64) -> Frame {
+        let (start, moved) = (self.start[bone], motion.at(time));
+        Frame {
+            rotation: moved.rotation * start.rotation,
+            position: start.position + moved.position,
+        }
+    }
+}

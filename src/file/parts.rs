@@ -1,0 +1,224 @@
+//! What the sections of an avatar hold, and what stands in for one that is not there.
+//!
+//! | tag | what | without it |
+//! |---|---|---|
+//! | `bone` | name, skeleton, bone masses | refused |
+//! | `hndl` | rest positions of the handles | no handles |
+//! | `cuba` | cubature points | refused |
+//! | `skin` | skin vertices and triangles | refused |
+//! | `matl` | material, its local variation, density, damping | refused |
+//! | `cpos`, `spos` | pose blend shapes of cubature points and skin, without their zeros | none |
+//! | `atta` | what attached vertices follow | nothing is attached |
+//! | `draw` | how the body's file draws the skin | the skin is drawn as it is |
+//! | `layr` | mesh, basis and embedding of the soft layer: for reports, bakes and the full space | none |
+
+use super::Parts;
+use super::sections::{Section, tag_name};
+use super::sparse_columns::SparseColumns;
+use crate::material::{LocalTissue, Material};
+use crate::math::Rows;
+use crate::model::{
+    Avatar, BasisEntry, BoneMass, DrawnPart, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer,
+};
+use crate::{Error, Result};
+use glam::DVec3;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// The version of every section so far.
+const VERSION: u32 = 1;
+
+const BONES: [u8; 4] = *b"bone";
+const HANDLES: [u8; 4] = *b"hndl";
+const CUBATURE: [u8; 4] = *b"cuba";
+const SKIN: [u8; 4] = *b"skin";
+const MATERIAL: [u8; 4] = *b"matl";
+const CUBATURE_POSE: [u8; 4] = *b"cpos";
+const SKIN_POSE: [u8; 4] = *b"spos";
+const ATTACHED: [u8; 4] = *b"atta";
+const DRAWN: [u8; 4] = *b"draw";
+const LAYER: [u8; 4] = *b"layr";
+
+type Bones<'a> = (Cow<'a, str>, Cow<'a, Skeleton>, Cow<'a, [BoneMass]>);
+type Triangles<'a> = Cow<'a, [[u32; 3]]>;
+
+/// A [`PointSet`] without its pose blend shapes.
+#[derive(Serialize, Deserialize)]
+struct Points<'a> {
+    position: Cow<'a, [DVec3]>,
+    measure: Cow<'a, [f64]>,
+    skinning: Cow<'a, Rows<SkinWeight>>,
+    basis: Basis<'a>,
+}
+
+/// The basis at points, with its gradients where there are any.
+#[derive(Serialize, Deserialize)]
+enum Basis<'a> {
+    Values(Rows<(u32, f64)>),
+    Gradients(Cow<'a, Rows<BasisEntry>>),
+}
+
+/// The tissue's constants.
+#[derive(Serialize, Deserialize)]
+struct Tissue<'a> {
+    material: Material,
+    local: Cow<'a, [LocalTissue]>,
+    density: f64,
+    damping_time: f64,
+    captured_under_gravity: bool,
+}
+
+/// The sections of `avatar`; a part that is its default is left out.
+pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
+    let bones: Bones<'_> = (
+        (&avatar.name).into(),
+        Cow::Borrowed(&avatar.skeleton),
+        (&avatar.bone_masses).into(),
+    );
+    let tissue = Tissue {
+        material: avatar.material,
+        local: (&avatar.tissue).into(),
+        density: avatar.density,
+        damping_time: avatar.damping_time,
+        captured_under_gravity: avatar.captured_under_gravity,
+    };
+    let triangles: Triangles<'_> = (&avatar.triangles).into();
+    let mut sections = vec![
+        section(BONES, &bones)?,
+        section(HANDLES, &avatar.handles)?,
+        section(CUBATURE, &Points::of(&avatar.cubature))?,
+        section(SKIN, &(Points::of(&avatar.skin), triangles))?,
+        section(MATERIAL, &tissue)?,
+    ];
+    for (tag, set) in [(CUBATURE_POSE, &avatar.cubature), (SKIN_POSE, &avatar.skin)] {
+        if set.pose_blend != PoseBlend::default() {
+            sections.push(section(
+                tag,
+                &SparseColumns::of(&set.pose_blend, set.len()),
+            )?);
+        }
+    }
+    if !avatar.attached.is_empty() {
+        sections.push(section(ATTACHED, &avatar.attached)?);
+    }
+    if !avatar.drawn.is_empty() {
+        sections.push(section(DRAWN, &avatar.drawn)?);
+    }
+    if parts == Parts::All && avatar.layer != SoftLayer::default() {
+        sections.push(section(LAYER, &avatar.layer)?);
+    }
+    Ok(sections)
+}
+
+/// The avatar in `sections`, which keep what is no part of it.
+pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avatar> {
+    let mut reader = Reader { sections, path };
+    let (name, skeleton, masses): Bones<'static> = reader.required(BONES)?;
+    let cubature: Points<'static> = reader.required(CUBATURE)?;
+    let (skin, triangles): (Points<'static>, Triangles<'static>) = reader.required(SKIN)?;
+    let tissue: Tissue<'static> = reader.required(MATERIAL)?;
+    Ok(Avatar {
+        name: name.into_owned(),
+        skeleton: skeleton.into_owned(),
+        bone_masses: masses.into_owned(),
+        handles: reader.optional(HANDLES)?.unwrap_or_default(),
+        cubature: reader.points(cubature, CUBATURE_POSE)?,
+        skin: reader.points(skin, SKIN_POSE)?,
+        triangles: triangles.into_owned(),
+        attached: reader.optional(ATTACHED)?.unwrap_or_default(),
+        drawn: (reader.optional(DRAWN)?).unwrap_or_else(Vec::<DrawnPart>::new),
+        material: tissue.material,
+        tissue: tissue.local.into_owned(),
+        density: tissue.density,
+        damping_time: tissue.damping_time,
+        captured_under_gravity: tissue.captured_under_gravity,
+        layer: reader.optional(LAYER)?.unwrap_or_default(),
+        bodies: Vec::new(),
+    })
+}
+
+fn section(tag: [u8; 4], value: &impl Serialize) -> Result<Section> {
+    let content = postcard::to_allocvec(value)
+        .map_err(|e| Error::invalid("avatar", format!("cannot be written: {e}")))?;
+    Ok(Section {
+        tag,
+        version: VERSION,
+        content,
+    })
+}
+
+impl<'a> Points<'a> {
+    fn of(set: &'a PointSet) -> Self {
+        let flat = |u: &BasisEntry| u.gradient.to_array().map(f64::to_bits) == [0; 3];
+        Self {
+            position: (&set.position).into(),
+            measure: (&set.measure).into(),
+            skinning: Cow::Borrowed(&set.skinning),
+            basis: match set.basis.entries().iter().all(flat) {
+                true => Basis::Values(set.basis.map(|u| (u.handle, u.value))),
+                false => Basis::Gradients(Cow::Borrowed(&set.basis)),
+            },
+        }
+    }
+}
+
+/// Takes sections out of a file.
+struct Reader<'a> {
+    sections: &'a mut Vec<Section>,
+    path: &'a Path,
+}
+
+impl Reader<'_> {
+    fn optional<T: DeserializeOwned>(&mut self, tag: [u8; 4]) -> Result<Option<T>> {
+        let Some(at) = self.sections.iter().position(|s| s.tag == tag) else {
+            return Ok(None);
+        };
+        let section = self.sections.remove(at);
+        let fail = |problem: String| Err(Error::format(self.path, tag_name(tag), problem));
+        if section.version != VERSION {
+            let version = section.version;
+            return fail(format!(
+                "version {version}, this build reads {VERSION}; update supple"
+            ));
+        }
+        match postcard::take_from_bytes(&section.content) {
+            Ok((value, [])) => Ok(Some(value)),
+            Ok((_, rest)) => fail(format!("{} bytes too many", rest.len())),
+            Err(e) => fail(format!("{e}; bake it again")),
+        }
+    }
+
+    fn required<T: DeserializeOwned>(&mut self, tag: [u8; 4]) -> Result<T> {
+        self.optional(tag)?.ok_or_else(|| {
+            let problem = "is not there, and no avatar is without it; bake it again";
+            Error::format(self.path, tag_name(tag), problem)
+        })
+    }
+
+    /// The set of `points`, with the pose blend shapes of section `pose`.
+    fn points(&mut self, points: Points<'_>, pose: [u8; 4]) -> Result<PointSet> {
+        let count = points.position.len();
+        let pose_blend = match self.optional::<SparseColumns>(pose)? {
+            None => PoseBlend::default(),
+            Some(sparse) => (sparse.columns(count))
+                .map_err(|problem| Error::format(self.path, tag_name(pose), problem))?,
+        };
+        let no_gradient = |&(handle, value): &(u32, f64)| BasisEntry {
+            handle,
+            value,
+            gradient: DVec3::ZERO,
+        };
+        Ok(PointSet {
+            position: points.position.into_owned(),
+            measure: points.measure.into_owned(),
+            skinning: points.skinning.into_owned(),
+            basis: match points.basis {
+                Basis::Values(rows) => rows.map(no_gradient),
+                Basis::Gradients(rows) => rows.into_owned(),
+            },
+            pose_blend,
+        })
+    }
+}

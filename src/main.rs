@@ -1,5 +1,0 @@
-//! The `supple` command.
-
-fn main() -> std::process::ExitCode {
-    supple::cli::main()
-}

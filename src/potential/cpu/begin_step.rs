@@ -1,0 +1,292 @@
+//! What an instance's step starts from: constant through its Newton iterations.
+
+use super::asset::Asset;
+use super::compact::lag;
+use super::contact::{Candidate, contact, contact_point, may_touch};
+use super::displacement::{FrameMotion, displacement, unposed_displacement};
+use super::elasticity::Damping;
+use super::friction::{Lagged, Slip, carried};
+use super::point_start::PointStarts;
+use super::{Basis, Motion, energy};
+use crate::collider::Collider;
+use crate::math::{Strided, par_join, par_split};
+use crate::model::{Frame, State, pose_feature_into};
+use crate::potential::StepStart;
+use crate::potential::cpu::pose_skin::Drawn;
+use glam::{DMat3, DVec3};
+
+/// Points and vertices of one task: some ten microseconds of work; a multiple of [`super::pose_columns::GROUP`].
+pub(super) const POINT_GRAIN: usize = 16;
+pub(super) const VERTEX_GRAIN: usize = 128;
+
+/// The colliders in one state, and every skin vertex against each of them.
+#[derive(Default)]
+pub(super) struct Touching {
+    /// Where the colliders stand, relative to the instance's origin.
+    pub places: Vec<Frame>,
+    /// Vertex-major.
+    pub candidates: Vec<Candidate>,
+}
+
+/// The start of one instance's step.
+pub(super) struct Step {
+    /// h, s; 0 before the first step.
+    pub time_step: f64,
+    /// The root's joint at tⁿ: frames and colliders are relative to it.
+    pub origin: DVec3,
+    pub tissue_gravity: DVec3,
+    /// β/h.
+    pub damping_rate: f64,
+    pub colliders: Vec<Collider>,
+    /// How each collider whose motion is given moves in this step.
+    collider_motions: Vec<FrameMotion>,
+    /// The contacts of qⁿ that rub.
+    pub lagged: Vec<Lagged>,
+    /// ε_v h, m.
+    pub smoothing: f64,
+    /// Whether the geometric terms of contact are wanted.
+    pub geometric: bool,
+    /// qⁿ.
+    pub current: State,
+    pub starts: PointStarts,
+    /// x̄ of the skin, m.
+    pub skin_rest: Vec<DVec3>,
+    /// Σ ½ k a δ² at qⁿ, J.
+    pub contact_energy: f64,
+}
+
+impl Step {
+    /// Memory for steps of `asset`.
+    pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
+        Self {
+            time_step: 0.0,
+            origin: DVec3::ZERO,
+            tissue_gravity: DVec3::ZERO,
+            damping_rate: 0.0,
+            colliders: Vec::new(),
+            collider_motions: Vec::new(),
+            lagged: Vec::with_capacity(asset.contact_capacity),
+            smoothing: 0.0,
+            geometric: false,
+            current: asset.avatar.rest_state(),
+            starts: PointStarts::new(asset),
+            skin_rest: vec![DVec3::ZERO; asset.skin.len()],
+            contact_energy: 0.0,
+        }
+    }
+
+    /// x̄ from θⁿ, ŷ from qⁿ⁻¹ → qⁿ, the lagged tangent, and the contact energy at qⁿ. The rest are
+    /// buffers of the evaluation.
+    pub fn begin<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        start: &StepStart<'_>,
+        motion: &mut Motion,
+        feature: &mut Vec<f64>,
+        touching: &mut Touching,
+        drawn: &Drawn,
+    ) {
+        let avatar = &*asset.avatar;
+        self.time_step = start.time_step;
+        self.origin = start.current.frames[0].position;
+        self.tissue_gravity = start.tissue_gravity;
+        self.damping_rate = avatar.damping_time / start.time_step;
+        self.colliders.clear();
+        let relative = start.colliders.iter().map(|c| c.relative_to(self.origin));
+        self.colliders.extend(relative);
+        self.collider_motions.clear();
+        let moved = |c: &Collider| FrameMotion::new(&c.previous, &c.frame);
+        self.collider_motions
+            .extend(self.colliders.iter().map(moved));
+        self.smoothing = start.slip_speed * start.time_step;
+        self.geometric = start.geometric_contact;
+        self.current.clone_from(start.current);
+
+        pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);
+        motion.set(start.previous, start.current, self.origin);
+        let (feature, motion) = (&*feature, &*motion);
+        let mut starts = std::mem::take(&mut self.starts);
+        par_join(
+            || starts.begin(asset, feature, &start.previous.handles, motion),
+            || self.begin_skin(asset, feature, motion, touching, drawn),
+        );
+        self.starts = starts;
+    }
+
+    /// x̄ of the skin and its contacts at qⁿ.
+    fn begin_skin<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        feature: &[f64],
+        motion: &Motion,
+        touching: &mut Touching,
+        drawn: &Drawn,
+    ) {
+        match drawn.rest_of(feature) {
+            Some(rest) => self.skin_rest.copy_from_slice(rest),
+            None => {
+                let (columns, position) = (&asset.skin_columns, &asset.avatar.skin.position);
+                let chunks = position.len().div_ceil(VERTEX_GRAIN);
+                let parts = Strided::new(VERTEX_GRAIN, &mut self.skin_rest);
+                par_split(chunks, 1, parts, |chunk, out| {
+                    columns.blend(position, feature, chunk * VERTEX_GRAIN, out);
+                });
+            }
+        }
+        self.lag_contacts(asset, motion, touching);
+        self.contact(asset, motion, touching);
+        self.contact_energy = self.sum_contact_energy(asset, &touching.candidates);
+    }
+
+    /// Lists the contacts at qⁿ with what was there at tⁿ and rubs.
+    fn lag_contacts<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        motion: &Motion,
+        touching: &mut Touching,
+    ) {
+        self.lagged.clear();
+        if self.colliders.iter().all(|c| c.friction == 0.0) {
+            return;
+        }
+        let frames = &motion.frames;
+        touching.places.clear();
+        let places = self.colliders.iter().map(|c| c.previous_place(frames));
+        touching.places.extend(places);
+        self.candidates(asset, motion, touching);
+        // From here on a place is that of the frame that a collider is fixed to: its own or its carrier's.
+        for (place, collider) in touching.places.iter_mut().zip(&self.colliders) {
+            if let Some(carrier) = collider.carrier {
+                *place = frames[carrier as usize];
+            }
+        }
+        let mut lagged = std::mem::take(&mut self.lagged);
+        let joints = &asset.avatar.skeleton.joints;
+        let point = |v: usize| {
+            let unposed = self.skin_unposed(asset, v, &motion.handles);
+            contact_point(asset.skin.skinning.row(v), joints, frames, unposed)
+        };
+        let areas = &asset.avatar.skin.measure;
+        let (candidates, places) = (&touching.candidates, &touching.places);
+        lag(
+            candidates,
+            areas,
+            &self.colliders,
+            places,
+            point,
+            &mut lagged,
+        );
+        self.lagged = lagged;
+    }
+
+    /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
+    pub fn damping(&self, i: usize, change: DMat3) -> Option<Damping<'_>> {
+        let tangent = self.starts.damping_tangents.get(i)?;
+        Some(Damping {
+            rate: self.damping_rate,
+            tangent,
+            change,
+        })
+    }
+
+    /// Every skin vertex of the state in `motion` against every collider at the end of the step.
+    pub fn contact<B: Basis>(&self, asset: &Asset<B>, motion: &Motion, touching: &mut Touching) {
+        touching.places.clear();
+        let places = self.colliders.iter().map(|c| c.place(&motion.frames));
+        touching.places.extend(places);
+        self.candidates(asset, motion, touching);
+    }
+
+    /// Every skin vertex against every collider at its place.
+    fn candidates<B: Basis>(&self, asset: &Asset<B>, motion: &Motion, touching: &mut Touching) {
+        let stride = self.colliders.len();
+        let Touching { places, candidates } = touching;
+        candidates.resize(stride * asset.skin.len(), Candidate::default());
+        if stride == 0 {
+            return;
+        }
+        let joints = &asset.avatar.skeleton.joints;
+        let parts = Strided::new(stride, candidates);
+        par_split(asset.skin.len(), VERTEX_GRAIN, parts, |v, out| {
+            // A vertex without an area touches nothing.
+            if asset.avatar.skin.measure[v] == 0.0 {
+                out.fill(Candidate::default());
+                return;
+            }
+            let unposed = self.skin_unposed(asset, v, &motion.handles);
+            let skinning = asset.skin.skinning.row(v);
+            let point = contact_point(skinning, joints, &motion.frames, unposed);
+            for ((out, collider), place) in out.iter_mut().zip(&self.colliders).zip(&*places) {
+                *out = if may_touch(skinning, collider) {
+                    contact(point, collider, place)
+                } else {
+                    Candidate::default()
+                };
+            }
+        });
+    }
+
+    /// u of the lagged contact `k` at qⁿ, m: the collider's motion is ahead of the skin's.
+    pub fn start_slip(&self, k: usize) -> DVec3 {
+        let lagged = &self.lagged[k];
+        match lagged.carrier {
+            None => -carried(lagged, &self.collider_motions[lagged.collider as usize]),
+            Some(_) => DVec3::ZERO,
+        }
+    }
+
+    /// What `motion`, from a base with displacements `base`, adds to u of the lagged contact `k`, m.
+    pub fn slip_change<B: Basis>(
+        &self,
+        asset: &Asset<B>,
+        k: usize,
+        base: &[DVec3],
+        motion: &Motion,
+    ) -> DVec3 {
+        let lagged = &self.lagged[k];
+        let v = lagged.vertex as usize;
+        let moved = displacement(
+            asset.skin.skinning.row(v),
+            &asset.avatar.skeleton.joints,
+            &motion.motions,
+            self.skin_unposed(asset, v, base),
+            unposed_displacement(asset.skin.basis.row(v), &motion.handle_changes),
+        );
+        match lagged.carrier {
+            None => moved,
+            Some(carrier) => moved - carried(lagged, &motion.motions[carrier as usize]),
+        }
+    }
+
+    /// The lagged contact `k` with its u in the state of `motion`.
+    pub fn slip(&self, k: usize, displacement: DVec3, motion: &Motion) -> Slip {
+        let lagged = &self.lagged[k];
+        let rotation = match lagged.carrier {
+            None => self.collider_motions[lagged.collider as usize].rotation,
+            Some(carrier) => motion.frames[carrier as usize].rotation,
+        };
+        Slip {
+            displacement,
+            normal: rotation * lagged.normal,
+        }
+    }
+
+    /// T of skin vertex `v`, m.
+    pub fn skin_unposed<B: Basis>(&self, asset: &Asset<B>, v: usize, handles: &[DVec3]) -> DVec3 {
+        self.skin_rest[v] + unposed_displacement(asset.skin.basis.row(v), handles)
+    }
+
+    /// Σ ½ k a δ² of the candidates, J.
+    pub fn sum_contact_energy<B: Basis>(&self, asset: &Asset<B>, candidates: &[Candidate]) -> f64 {
+        let rows = candidates.chunks_exact(self.colliders.len().max(1));
+        let mut sum = 0.0;
+        for (row, area) in rows.zip(&asset.avatar.skin.measure) {
+            for (candidate, collider) in row.iter().zip(&self.colliders) {
+                if candidate.depth > 0.0 {
+                    sum += energy::contact(collider.stiffness * area, 0.0, candidate.depth);
+                }
+            }
+        }
+        sum
+    }
+}

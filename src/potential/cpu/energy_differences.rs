@@ -1,0 +1,88 @@
+//! E(state) − E(base) for any base: the trials of a line search.
+
+use super::asset::Asset;
+use super::displacement::{displacement, unposed_displacement};
+use super::elasticity::displacement_gradient;
+use super::evaluate::Instance;
+use super::{Basis, Motion, energy};
+use crate::math::par_each;
+use crate::model::State;
+use crate::potential::Energies;
+use crate::potential::cpu::begin_step::{POINT_GRAIN, Step};
+
+impl Instance {
+    /// Each term's difference, J.
+    pub fn difference<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        base: &State,
+        state: &State,
+    ) -> Energies {
+        let step = &self.step;
+        let (to_base, to_state) = (&mut self.base_motion, &mut self.motion);
+        to_base.set(&step.current, base, step.origin);
+        to_state.set(base, state, step.origin);
+        let (to_base, to_state) = (&*to_base, &*to_state);
+        par_each(&mut self.energies, 4 * POINT_GRAIN, |i, out| {
+            *out = point_difference(asset, step, to_base, to_state, i);
+        });
+        let mut energies = energy::sum(&self.energies);
+
+        step.contact(asset, to_base, &mut self.base_touching);
+        step.contact(asset, to_state, &mut self.touching);
+        let (before, after) = (&self.base_touching, &self.touching);
+        let pairs = before.candidates.iter().zip(&after.candidates);
+        let colliders = step.colliders.len().max(1);
+        for (k, (before, after)) in pairs.enumerate() {
+            let stiffness = step.colliders[k % colliders].stiffness;
+            let area = asset.avatar.skin.measure[k / colliders];
+            energies.contact += energy::contact(stiffness * area, before.depth, after.depth);
+        }
+        for (k, lagged) in step.lagged.iter().enumerate() {
+            let to = step.slip_change(asset, k, &step.current.handles, to_base);
+            let before = step.slip(k, step.start_slip(k) + to, to_base);
+            let change = step.slip_change(asset, k, &base.handles, to_state);
+            let after = step.slip(k, before.displacement + change, to_state);
+            energies.friction += energy::friction(
+                lagged.limit,
+                step.smoothing,
+                before.length(),
+                after.length(),
+            );
+        }
+        energies
+    }
+}
+
+fn point_difference<B: Basis>(
+    asset: &Asset<B>,
+    step: &Step,
+    to_base: &Motion,
+    to_state: &Motion,
+    i: usize,
+) -> Energies {
+    let avatar = &*asset.avatar;
+    let joints = &avatar.skeleton.joints;
+    let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
+    let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
+    let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
+
+    let t_base = unposed_displacement(basis, &to_base.handle_changes);
+    let d_base = displacement(skinning, joints, &to_base.motions, start.unposed, t_base);
+    let unposed = start.unposed + t_base;
+    let t_change = unposed_displacement(basis, &to_state.handle_changes);
+    let d_change = displacement(skinning, joints, &to_state.motions, unposed, t_change);
+
+    let since_start = displacement_gradient(basis, &to_base.handle_changes);
+    let change = displacement_gradient(basis, &to_state.handle_changes);
+    let f_base = start.deformation_gradient + since_start;
+    Energies {
+        inertia: energy::inertia(mass, h, d_change, d_base - start.predicted),
+        gravity: energy::gravity(mass, gravity, d_change),
+        elastic: energy::elastic(avatar.tissue_at(i), weight, f_base, change),
+        damping: step.damping(i, since_start).map_or(0.0, |d| {
+            energy::damping(weight, d.rate, d.tangent, change, since_start)
+        }),
+        ..Energies::default()
+    }
+}

@@ -1,0 +1,249 @@
+//! One instance of a batch and its evaluation: the stages in order, each parallel over points, vertices
+//! or block rows.
+
+use super::asset::Asset;
+use super::contact::{ContactRow, carrier_levers, contact_point, skin_levers};
+use super::evaluate_points::evaluate_points;
+use super::friction::{self, Slip};
+use super::geometric::{Vertex, add_geometric};
+use super::hessian::{ContactRows, gather_contacts, gather_points};
+use super::point_hessian::{PointTerms, PointView};
+use super::{Basis, Motion, compact::compact, energy};
+use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_join, par_split};
+use crate::model::State;
+use crate::potential::cpu::begin_step::{Step, Touching};
+use crate::potential::cpu::pose_skin::Drawn;
+use crate::potential::{Energies, Evaluation, EvaluationTimings, StepStart};
+use crate::{Error, Result};
+use glam::DVec3;
+
+/// Block rows and contacts of one task.
+const ROW_GRAIN: usize = 2;
+const CONTACT_GRAIN: usize = 16;
+
+/// One avatar of the batch: its step, and the memory that its evaluations reuse.
+pub(super) struct Instance {
+    pub step: Step,
+    pub motion: Motion,
+    pub base_motion: Motion,
+    feature: Vec<f64>,
+    pub drawn: Drawn,
+    pub touching: Touching,
+    pub base_touching: Touching,
+    pub energies: Vec<Energies>,
+    /// Time of the current step's evaluations: `force` is what is done point by point, with the tangents,
+    /// `hessian` the gather into block rows, with the gradient.
+    pub timings: EvaluationTimings,
+    terms: Vec<PointTerms>,
+    arms: Vec<DVec3>,
+    tangents: Vec<Mat9>,
+    slips: Vec<Slip>,
+    contacts: Vec<ContactRow>,
+    levers: Vec<DVec3>,
+    contact_rows: ContactRows,
+    gradient: Vec<DVec3>,
+}
+
+impl Instance {
+    pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
+        let points = asset.cubature.len();
+        Self {
+            step: Step::new(asset),
+            motion: Motion::default(),
+            base_motion: Motion::default(),
+            feature: Vec::new(),
+            drawn: Drawn::default(),
+            touching: Touching::default(),
+            base_touching: Touching::default(),
+            energies: vec![Energies::default(); points],
+            timings: EvaluationTimings::default(),
+            terms: vec![PointTerms::default(); points],
+            arms: vec![DVec3::ZERO; asset.cubature.skinning.entries().len()],
+            tangents: vec![[[0.0; 9]; 9]; points],
+            slips: Vec::new(),
+            contacts: Vec::with_capacity(asset.contact_capacity),
+            levers: Vec::with_capacity(asset.contact_capacity * asset.lever_stride),
+            contact_rows: ContactRows::default(),
+            gradient: vec![DVec3::ZERO; asset.space.blocks()],
+        }
+    }
+
+    pub fn begin_step<B: Basis>(&mut self, asset: &Asset<B>, start: &StepStart<'_>) {
+        let watch = Stopwatch::start();
+        let (motion, feature) = (&mut self.motion, &mut self.feature);
+        let (touching, drawn) = (&mut self.touching, &self.drawn);
+        self.step
+            .begin(asset, start, motion, feature, touching, drawn);
+        self.timings = EvaluationTimings {
+            force: watch.ms(),
+            ..EvaluationTimings::default()
+        };
+    }
+
+    /// E(q) − E(qⁿ), its gradient and the solver's Hessian. [`Instance::check`] tells whether it is whole.
+    pub fn evaluate<B: Basis>(&mut self, asset: &Asset<B>, state: &State, out: &mut Evaluation) {
+        let watch = Stopwatch::start();
+        let step = &self.step;
+        self.motion.set(&step.current, state, step.origin);
+        let motion = &self.motion;
+        let points = (
+            &mut self.terms[..],
+            &mut self.energies[..],
+            RowsMut::new(asset.cubature.skinning.offsets(), &mut self.arms),
+            &mut self.tangents[..],
+        );
+        par_join(
+            || step.contact(asset, motion, &mut self.touching),
+            || evaluate_points(asset, step, motion, points),
+        );
+        let areas = &asset.avatar.skin.measure;
+        let (candidates, colliders) = (&self.touching.candidates, &step.colliders);
+        let capacity = asset.contact_capacity;
+        out.contacts = compact(candidates, areas, colliders, capacity, &mut self.contacts);
+        self.evaluate_slips(asset);
+        self.evaluate_levers(asset);
+        self.timings.force += watch.ms();
+        let watch = Stopwatch::start();
+        out.hessian.resize(asset.pattern.len(), [0.0; 9]);
+        self.gather(asset, &mut out.hessian);
+        self.add_geometric(asset, &mut out.geometric);
+        self.timings.hessian += watch.ms();
+
+        out.energies = energy::sum(&self.energies);
+        out.energies.contact = self
+            .step
+            .sum_contact_energy(asset, &self.touching.candidates)
+            - self.step.contact_energy;
+        out.energies.friction = self.friction_energy();
+        out.gradient.clear();
+        out.gradient
+            .extend(self.gradient.iter().flat_map(|g| g.to_array()));
+        out.contact_force = self.contacts.iter().map(|c| -c.force * c.direction).sum();
+    }
+
+    /// Whether the last evaluation saw all contacts and is finite.
+    pub fn check<B: Basis>(&self, asset: &Asset<B>, evaluation: &Evaluation) -> Result<()> {
+        if evaluation.contacts > asset.contact_capacity {
+            return Err(Error::invalid(
+                "contact_capacity",
+                format!(
+                    "{} contacts are active, room is for {}: raise the capacity",
+                    evaluation.contacts, asset.contact_capacity
+                ),
+            ));
+        }
+        if !evaluation.energies.total().is_finite() {
+            return Err(Error::NotFinite { quantity: "energy" });
+        }
+        if evaluation.gradient.iter().any(|g| !g.is_finite()) {
+            return Err(Error::NotFinite {
+                quantity: "gradient",
+            });
+        }
+        Ok(())
+    }
+
+    /// The slip of every lagged contact, and its rows behind the normals'.
+    fn evaluate_slips<B: Basis>(&mut self, asset: &Asset<B>) {
+        let (step, motion) = (&self.step, &self.motion);
+        self.slips.resize(step.lagged.len(), Slip::default());
+        par_each(&mut self.slips, CONTACT_GRAIN, |k, out| {
+            let change = step.slip_change(asset, k, &step.current.handles, motion);
+            *out = step.slip(k, step.start_slip(k) + change, motion);
+        });
+        for (lagged, slip) in step.lagged.iter().zip(&self.slips) {
+            self.contacts
+                .extend(friction::rows(lagged, slip, step.smoothing));
+        }
+    }
+
+    /// Σ μ λ (f₀(|u_T|) − f₀ at qⁿ), J.
+    fn friction_energy(&self) -> f64 {
+        let step = &self.step;
+        let pairs = step.lagged.iter().zip(&self.slips).enumerate();
+        pairs
+            .map(|(k, (lagged, slip))| {
+                let start = Slip {
+                    displacement: step.start_slip(k),
+                    ..*slip
+                };
+                energy::friction(lagged.limit, step.smoothing, start.length(), slip.length())
+            })
+            .sum()
+    }
+
+    fn evaluate_levers<B: Basis>(&mut self, asset: &Asset<B>) {
+        let (step, motion, contacts) = (&self.step, &self.motion, &self.contacts);
+        let stride = asset.lever_stride;
+        self.levers.resize(contacts.len() * stride, DVec3::ZERO);
+        let (frames, joints) = (&motion.frames, &asset.avatar.skeleton.joints);
+        let parts = Strided::new(stride, &mut self.levers);
+        par_split(contacts.len(), CONTACT_GRAIN, parts, |k, out| {
+            let contact = &contacts[k];
+            let (v, direction) = (contact.vertex as usize, contact.direction);
+            let skinning = asset.skin.skinning.row(v);
+            let side = (skinning, asset.skin.basis.row(v));
+            let unposed = step.skin_unposed(asset, v, &motion.handles);
+            let (of_skin, of_carrier) = out.split_at_mut(2 * side.0.len() + side.1.len());
+            skin_levers(side, joints, frames, unposed, direction, of_skin);
+            if let Some(carrier) = contact.carrier {
+                let point = contact_point(skinning, joints, frames, unposed);
+                let levers = carrier_levers(&frames[carrier as usize], point, direction);
+                of_carrier[..2].copy_from_slice(&levers);
+            }
+        });
+        self.contact_rows
+            .fill(contacts, &asset.skin_incidence, asset.space.blocks());
+    }
+
+    /// The geometric terms of the contacts' rows, where the step wants them.
+    fn add_geometric<B: Basis>(&self, asset: &Asset<B>, out: &mut Vec<[f64; 9]>) {
+        out.clear();
+        if !self.step.geometric {
+            return;
+        }
+        out.resize(asset.pattern.len(), [0.0; 9]);
+        let (joints, frames) = (&asset.avatar.skeleton.joints, &self.motion.frames);
+        for row in self.contacts.iter().filter(|row| row.force != 0.0) {
+            let v = row.vertex as usize;
+            let vertex = Vertex {
+                skinning: asset.skin.skinning.row(v),
+                basis: asset.skin.basis.row(v),
+                unposed: self.step.skin_unposed(asset, v, &self.motion.handles),
+            };
+            add_geometric(&asset.pattern, row, &vertex, joints, frames, out);
+        }
+    }
+
+    /// Gradient and packed Hessian, block row by block row.
+    fn gather<B: Basis>(&mut self, asset: &Asset<B>, hessian: &mut [[f64; 9]]) {
+        let points = &asset.cubature;
+        let point = |i: usize| PointView {
+            terms: &self.terms[i],
+            skinning: points.skinning.row(i),
+            arms: &self.arms[points.skinning.range(i)],
+            basis: points.basis.row(i),
+            tangent: &self.tangents[i],
+        };
+        let parts = (
+            &mut self.gradient[..],
+            RowsMut::new(asset.pattern.columns().offsets(), hessian),
+        );
+        let levers = (asset.lever_stride, &self.levers[..]);
+        par_split(asset.space.blocks(), ROW_GRAIN, parts, |row, parts| {
+            let (force, out) = parts;
+            *force = DVec3::ZERO;
+            out.fill([0.0; 9]);
+            gather_points(&asset.cubature_incidence, row, point, force, out);
+            gather_contacts(
+                &self.contact_rows,
+                row,
+                &self.contacts,
+                (&asset.skin_incidence, &asset.pattern),
+                levers,
+                force,
+                out,
+            );
+        });
+    }
+}

@@ -1,0 +1,267 @@
+//! The f64 evaluation of the potential: the twin of the kernels, and the fallback where there is no GPU.
+//!
+//! A stage is one file of plain functions of one point, named as its kernel; [`CpuPotential`] runs them
+//! over all points, in parallel and with the same bits whatever the number of threads. The basis is a
+//! trait ([`Basis`]), of which the avatar's scalar one is the plain case.
+
+mod asset;
+mod basis;
+mod begin_step;
+pub mod compact;
+pub mod contact;
+mod dense_hessian;
+pub mod displacement;
+pub mod elasticity;
+pub mod energy;
+mod energy_differences;
+mod evaluate;
+mod evaluate_points;
+mod exact;
+pub mod friction;
+pub mod geometric;
+pub mod gradient;
+pub mod hessian;
+mod incidence;
+mod mechanics;
+mod min_det_f;
+mod motion;
+pub mod normals;
+pub mod point_hessian;
+mod point_start;
+mod points;
+pub mod pose_blend;
+mod pose_columns;
+mod pose_skin;
+mod posed_skin;
+pub mod skin;
+
+pub use crate::potential::HessianForm;
+pub use basis::{Basis, GeneralBasis};
+pub use exact::Exact;
+pub use incidence::Incidence;
+pub use mechanics::{Mechanics, mechanics};
+pub use min_det_f::{min_det_f, min_det_f_at_nodes};
+pub use motion::Motion;
+pub use points::Points;
+pub use posed_skin::{posed_skin, skin_displacement, unposed_skin};
+
+use crate::math::{Rows, Stopwatch, in_pool, par_each, par_split};
+use crate::model::{Avatar, BasisEntry, Space, State};
+use crate::potential::{BlockPattern, Evaluation, EvaluationTimings, Potential, StepStart, Trial};
+use crate::{Error, Result};
+use asset::Asset;
+use evaluate::Instance;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The potential of a batch of avatars on the CPU.
+pub struct CpuPotential<B: Basis = BasisEntry> {
+    asset: Asset<B>,
+    instances: Vec<Instance>,
+}
+
+impl CpuPotential {
+    /// Evaluates `instances` avatars of one asset, each with at most `contact_capacity` active contacts.
+    ///
+    /// # Errors
+    /// Where the avatar is not valid or a point names a bone or a handle twice.
+    pub fn new(avatar: Arc<Avatar>, instances: usize, contact_capacity: usize) -> Result<Self> {
+        let (cubature, skin) = (&avatar.cubature.basis.clone(), &avatar.skin.basis.clone());
+        Self::with_basis(avatar, cubature, skin, instances, contact_capacity)
+    }
+}
+
+impl<B: Basis> CpuPotential<B> {
+    /// [`CpuPotential::new`] with another basis than the avatar's own: one row for each cubature point and
+    /// each skin vertex.
+    ///
+    /// # Errors
+    /// As [`CpuPotential::new`].
+    pub fn with_basis(
+        avatar: Arc<Avatar>,
+        cubature: &Rows<B>,
+        skin: &Rows<B>,
+        instances: usize,
+        contact_capacity: usize,
+    ) -> Result<Self> {
+        let asset = Asset::new(avatar, cubature, skin, contact_capacity)?;
+        Ok(Self {
+            instances: (0..instances).map(|_| Instance::new(&asset)).collect(),
+            asset,
+        })
+    }
+
+    fn check_count(&self, field: &'static str, count: usize) -> Result<()> {
+        if count == self.instances.len() {
+            return Ok(());
+        }
+        let expected = self.instances.len();
+        Err(Error::invalid(
+            field,
+            format!("{count} given for {expected} instances"),
+        ))
+    }
+
+    fn check_state(&self, state: &State) -> Result<()> {
+        if state.space() != self.asset.space {
+            return Err(Error::invalid(
+                "state",
+                format!("has {:?}, expected {:?}", state.space(), self.asset.space),
+            ));
+        }
+        if !state.is_finite() {
+            return Err(Error::NotFinite { quantity: "state" });
+        }
+        Ok(())
+    }
+
+    fn check_begun(&self, instance: usize) -> Result<()> {
+        match self.instances.get(instance) {
+            Some(found) if found.step.time_step > 0.0 => Ok(()),
+            Some(_) => Err(Error::invalid(
+                "instance",
+                format!("{instance} has begun no step: call begin_step first"),
+            )),
+            None => Err(Error::invalid(
+                "instance",
+                format!("{instance} of {}", self.instances.len()),
+            )),
+        }
+    }
+
+    fn check_start(&self, start: &StepStart<'_>) -> Result<()> {
+        self.check_state(start.previous)?;
+        self.check_state(start.current)?;
+        if !(start.time_step > 0.0 && start.time_step.is_finite()) {
+            return Err(Error::invalid(
+                "time_step",
+                format!("{}; must be positive (s)", start.time_step),
+            ));
+        }
+        if !start.tissue_gravity.is_finite() {
+            return Err(Error::invalid("tissue_gravity", "is not finite"));
+        }
+        start.validate_contact(&self.asset.carriers)
+    }
+}
+
+impl<B: Basis> Potential for CpuPotential<B> {
+    fn name(&self) -> String {
+        "cpu".into()
+    }
+
+    fn space(&self) -> Space {
+        self.asset.space
+    }
+
+    fn pattern(&self) -> &BlockPattern {
+        &self.asset.pattern
+    }
+
+    fn instances(&self) -> usize {
+        self.instances.len()
+    }
+
+    fn timings(&self) -> EvaluationTimings {
+        let mut sum = EvaluationTimings::default();
+        for instance in &self.instances {
+            sum.force += instance.timings.force;
+            sum.hessian += instance.timings.hessian;
+        }
+        sum
+    }
+
+    async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
+        self.check_count("starts", starts.len())?;
+        self.check_count("active", active.len())?;
+        for (start, _) in starts.iter().zip(active).filter(|(_, active)| **active) {
+            self.check_start(start)?;
+        }
+        let asset = &self.asset;
+        in_pool(|| {
+            par_each(&mut self.instances, 1, |i, instance| {
+                instance.timings = EvaluationTimings::default();
+                if active[i] {
+                    instance.begin_step(asset, &starts[i]);
+                }
+            });
+        });
+        Ok(())
+    }
+
+    async fn evaluate(
+        &mut self,
+        states: &[State],
+        active: &[bool],
+        out: &mut [Evaluation],
+    ) -> Result<()> {
+        self.check_count("states", states.len())?;
+        self.check_count("active", active.len())?;
+        self.check_count("out", out.len())?;
+        for i in (0..states.len()).filter(|&i| active[i]) {
+            self.check_state(&states[i])?;
+            self.check_begun(i)?;
+        }
+        let asset = &self.asset;
+        in_pool(|| {
+            let parts = (&mut self.instances[..], &mut *out);
+            par_split(states.len(), 1, parts, |i, (instance, out)| {
+                if active[i] {
+                    instance.evaluate(asset, &states[i], out);
+                }
+            });
+        });
+        for i in (0..states.len()).filter(|&i| active[i]) {
+            self.instances[i].check(asset, &out[i])?;
+        }
+        Ok(())
+    }
+
+    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+        if out.len() != trials.len() {
+            return Err(Error::invalid("out", "must be as long as trials"));
+        }
+        for trial in trials {
+            self.check_begun(trial.instance)?;
+            self.check_state(trial.base)?;
+            self.check_state(trial.state)?;
+        }
+        let (asset, instances) = (&self.asset, &mut self.instances);
+        in_pool(|| {
+            for (trial, out) in trials.iter().zip(&mut *out) {
+                let watch = Stopwatch::start();
+                let instance = &mut instances[trial.instance];
+                *out = instance.difference(asset, trial.base, trial.state).total();
+                instance.timings.force += watch.ms();
+            }
+        });
+        Ok(())
+    }
+
+    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+        self.check_count("states", states.len())?;
+        states.iter().try_for_each(|s| self.check_state(s))?;
+        let asset = &self.asset;
+        in_pool(|| {
+            par_each(&mut self.instances, 1, |i, instance| {
+                instance.drawn.pose(asset, &states[i]);
+            });
+        });
+        Ok(())
+    }
+
+    async fn read_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        let Some(Instance { drawn, .. }) = self.instances.get(instance) else {
+            let problem = format!("{instance} of {}", self.instances.len());
+            return Err(Error::invalid("instance", problem));
+        };
+        positions.clone_from(&drawn.positions);
+        normals.clone_from(&drawn.normals);
+        Ok(())
+    }
+}

@@ -1,0 +1,93 @@
+//! What stays constant at a cubature point through a step: T and F at qⁿ, ŷ, and the lagged tangent.
+
+use super::asset::Asset;
+use super::displacement::{displacement, unposed_displacement};
+use super::elasticity::displacement_gradient;
+use super::{Basis, Motion};
+use crate::math::{Mat9, Strided, par_split};
+use crate::potential::cpu::begin_step::POINT_GRAIN;
+use glam::{DMat3, DVec3};
+
+/// A point at the start of a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PointStart {
+    /// T at qⁿ, m.
+    pub unposed: DVec3,
+    /// ŷ = h vⁿ, m: the displacement over the previous step, with this step's x̄.
+    pub predicted: DVec3,
+    /// Fⁿ.
+    pub deformation_gradient: DMat3,
+}
+
+/// All of them.
+#[derive(Default)]
+pub(super) struct PointStarts {
+    pub points: Vec<PointStart>,
+    /// Cⁿ of each point, Pa; empty without damping.
+    pub damping_tangents: Vec<Mat9>,
+    /// x̄ of each point, m.
+    pub rest: Vec<DVec3>,
+}
+
+impl PointStarts {
+    /// Memory for steps of `asset`.
+    pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
+        let points = asset.cubature.len();
+        let damped = asset.avatar.damping_time > 0.0;
+        Self {
+            points: vec![PointStart::default(); points],
+            damping_tangents: vec![[[0.0; 9]; 9]; if damped { points } else { 0 }],
+            rest: vec![DVec3::ZERO; points],
+        }
+    }
+
+    /// The starts of a step with the pose `feature` of qⁿ, the displacements `previous` of qⁿ⁻¹, and `motion` from qⁿ⁻¹
+    /// to qⁿ.
+    pub fn begin<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        feature: &[f64],
+        previous: &[DVec3],
+        motion: &Motion,
+    ) {
+        let (columns, position) = (&asset.cubature_columns, &asset.avatar.cubature.position);
+        let parts = (
+            Strided::new(POINT_GRAIN, &mut self.rest),
+            Strided::new(POINT_GRAIN, &mut self.points),
+            Strided::new(POINT_GRAIN, &mut self.damping_tangents),
+        );
+        let chunks = position.len().div_ceil(POINT_GRAIN);
+        par_split(chunks, 1, parts, |chunk, (rest, points, tangents)| {
+            let first = chunk * POINT_GRAIN;
+            columns.blend(position, feature, first, rest);
+            for ((i, point), rest) in (first..).zip(&mut *points).zip(&*rest) {
+                *point = point_start(asset, previous, motion, i, *rest);
+            }
+            for ((i, tangent), point) in (first..).zip(tangents).zip(&*points) {
+                *tangent = asset
+                    .avatar
+                    .tissue_at(i)
+                    .projected_tangent(point.deformation_gradient);
+            }
+        });
+    }
+}
+
+/// The start of point `i`, whose x̄ is `rest`.
+fn point_start<B: Basis>(
+    asset: &Asset<B>,
+    previous: &[DVec3],
+    motion: &Motion,
+    i: usize,
+    rest: DVec3,
+) -> PointStart {
+    let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
+    let joints = &asset.avatar.skeleton.joints;
+    let base = rest + unposed_displacement(basis, previous);
+    let change = unposed_displacement(basis, &motion.handle_changes);
+    PointStart {
+        unposed: base + change,
+        predicted: displacement(skinning, joints, &motion.motions, base, change),
+        deformation_gradient: DMat3::IDENTITY + displacement_gradient(basis, &motion.handles),
+    }
+}

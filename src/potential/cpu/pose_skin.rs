@@ -1,0 +1,60 @@
+//! The drawn skin of one instance.
+
+use super::asset::Asset;
+use super::{Basis, normals::normal, skin::skin};
+use crate::math::{Strided, par_each, par_split};
+use crate::model::{State, pose_feature_into};
+use crate::potential::cpu::begin_step::VERTEX_GRAIN;
+use glam::DVec3;
+
+/// Positions (m, world) and unit normals, and the rest shape they came from.
+#[derive(Default)]
+pub(super) struct Drawn {
+    /// The pose feature of `rest`.
+    feature: Vec<f64>,
+    /// x̄ of the drawn pose: the next step starts from it, as a rule.
+    rest: Vec<DVec3>,
+    pub positions: Vec<DVec3>,
+    pub normals: Vec<DVec3>,
+}
+
+impl Drawn {
+    /// x̄ of the skin in the pose of `feature`, if that was drawn last.
+    pub fn rest_of(&self, feature: &[f64]) -> Option<&[DVec3]> {
+        let drawn = !self.rest.is_empty() && self.feature == feature;
+        drawn.then_some(&self.rest[..])
+    }
+
+    /// Poses the skin of `state` with x̄ of its own pose.
+    pub fn pose<B: Basis>(&mut self, asset: &Asset<B>, state: &State) {
+        let (skeleton, points) = (&asset.avatar.skeleton, &asset.avatar.skin);
+        pose_feature_into(&skeleton.parents, &state.frames, &mut self.feature);
+        let feature = &self.feature;
+        self.rest.resize(points.len(), DVec3::ZERO);
+        self.positions.resize(points.len(), DVec3::ZERO);
+        self.normals.resize(points.len(), DVec3::ZERO);
+        let chunks = points.len().div_ceil(VERTEX_GRAIN);
+        let parts = (
+            Strided::new(VERTEX_GRAIN, &mut self.rest),
+            Strided::new(VERTEX_GRAIN, &mut self.positions),
+        );
+        par_split(chunks, 1, parts, |chunk, (rest, out)| {
+            let first = chunk * VERTEX_GRAIN;
+            (asset.skin_columns).blend(&points.position, feature, first, rest);
+            for ((v, x), rest) in (first..).zip(out).zip(&*rest) {
+                *x = skin(
+                    asset.skin.skinning.row(v),
+                    asset.skin.basis.row(v),
+                    &skeleton.joints,
+                    &state.frames,
+                    &state.handles,
+                    *rest,
+                );
+            }
+        });
+        let positions = &self.positions;
+        par_each(&mut self.normals, VERTEX_GRAIN, |v, out| {
+            *out = normal(positions, v, asset.vertex_triangles.row(v));
+        });
+    }
+}
