@@ -11,7 +11,7 @@ use supple::internal::math::rotation_exp;
 use supple::model::Surface;
 use supple_bake::ParametricModel;
 use supple_pictures::{
-    Camera, Image, Mesh, Panel, Projection, Strip, View, from_srgb, raster::render,
+    Camera, Image, Mesh, Panel, Projection, Strip, View, from_srgb, render,
 };
 
 /// Rotations of left bones about x, y and z (degrees); right ones take the mirror image unless `alternate`,

@@ -9,7 +9,7 @@ use supple::model::{Surface, TetMesh};
 use supple_bake::Body;
 use supple_bake::{Mesher, Softness};
 use supple_files::{CharacterOptions, read_character};
-use supple_pictures::{Camera, Mesh, Plane, View, colour_map, from_srgb, raster::render};
+use supple_pictures::{Camera, Mesh, Plane, View, colour_map, from_srgb, render};
 
 fn main() -> supple::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -21,3 +21,6 @@ pub use hand::{SampleHand, grasp, hand};
 pub use sample::{PALM, SOFT, Sample, limb_recipe, map_of};
 pub use supple_bake::Limb;
 pub use walk::walk;
+
+#[cfg(test)]
+mod tests;

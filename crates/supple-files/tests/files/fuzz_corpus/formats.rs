@@ -1,0 +1,170 @@
+//! The formats: small sound files, and what reads them.
+
+use super::seeds;
+use supple_files as motion;
+use std::collections::BTreeMap;
+use std::path::Path;
+use supple::glam::{DMat3, DVec3};
+use supple_files::{BvhOptions, PoseReader};
+use supple_files::{
+    parse_gltf, parse_gltf_motions, parse_obj, parse_smpl, parse_tetgen, parse_tets,
+};
+use supple_scene::{parse_avatar_source, parse_scene};
+
+/// A format.
+pub struct Format {
+    pub name: &'static str,
+    pub seeds: Vec<Vec<u8>>,
+    /// What makes a damaged piece a whole file again: checksums, the archive around it.
+    pub wrap: fn(Vec<u8>) -> Vec<u8>,
+    /// Whether a file is accepted.
+    pub parse: fn(&[u8]) -> bool,
+}
+
+/// No file of this name is there, nor any beside it.
+fn path() -> &'static Path {
+    Path::new("nowhere/damaged")
+}
+
+fn plain(name: &'static str, seeds: Vec<Vec<u8>>, parse: fn(&[u8]) -> bool) -> Format {
+    Format {
+        name,
+        seeds,
+        wrap: |bytes| bytes,
+        parse,
+    }
+}
+
+fn text(bytes: &[u8]) -> Option<&str> {
+    std::str::from_utf8(bytes).ok()
+}
+
+fn smpl(bytes: &[u8]) -> bool {
+    let Ok(read) = parse_smpl(bytes, path()) else {
+        return false;
+    };
+    let model = read.model;
+    model.evaluate(
+        &[0.1],
+        &vec![DMat3::IDENTITY; model.parents.len()],
+        DVec3::ZERO,
+    );
+    read.hands
+        .iter()
+        .all(|hand| hand.rotations(&[0.1], false).is_ok() || hand.components.is_empty())
+}
+
+pub fn smpl_npz() -> Format {
+    plain("smpl_npz", vec![seeds::smpl_archive()], smpl)
+}
+
+pub fn smpl_npy_inside() -> Format {
+    Format {
+        wrap: |bytes| seeds::with_member(&seeds::smpl_archive(), "J_regressor.npy", &bytes),
+        ..plain("smpl_npy_inside", seeds::regressors(), smpl)
+    }
+}
+
+pub fn pickle() -> Format {
+    plain("pickle", seeds::pickles(), smpl)
+}
+
+pub fn obj() -> Format {
+    plain("obj", vec![seeds::OBJ.into()], |bytes| {
+        parse_obj(bytes, path()).is_ok()
+    })
+}
+
+pub fn gltf() -> Format {
+    plain("gltf", seeds::gltf(), |bytes| {
+        parse_gltf(bytes, path()).is_ok_and(|character| character.body(&[0.5]).is_ok())
+    })
+}
+
+pub fn gltf_motions() -> Format {
+    plain("gltf_motions", seeds::gltf(), |bytes| {
+        parse_gltf_motions(bytes, path()).is_ok()
+    })
+}
+
+pub fn tets() -> Format {
+    plain("tets", seeds::tets(), |bytes| {
+        let Ok(file) = parse_tets(bytes, path()) else {
+            return false;
+        };
+        // What is read must be fit for use, or refused.
+        let _ = file.body("damaged", &BTreeMap::new());
+        let _ = file.layer(&["wrist".into()], &BTreeMap::new());
+        true
+    })
+}
+
+pub fn tetgen() -> Format {
+    plain("tetgen", vec![seeds::TETGEN.into()], |bytes| {
+        let mut files = bytes.split(|b| *b == b'%');
+        let [nodes, tets, faces] = [(); 3].map(|()| files.next().unwrap_or_default());
+        parse_tetgen(nodes, tets, Some(faces), path()).is_ok()
+    })
+}
+
+pub fn bvh() -> Format {
+    plain("bvh", vec![seeds::BVH.into()], |bytes| {
+        let text = String::from_utf8_lossy(bytes);
+        motion::parse_bvh(&text, path(), &BvhOptions::default()).is_ok()
+    })
+}
+
+fn amass_file(bytes: &[u8]) -> bool {
+    motion::parse_amass(bytes, path()).is_ok()
+}
+
+pub fn amass() -> Format {
+    plain("amass", vec![seeds::amass_archive()], amass_file)
+}
+
+pub fn amass_npy_inside() -> Format {
+    Format {
+        wrap: |bytes| seeds::with_member(&seeds::amass_archive(), "poses.npy", &bytes),
+        ..plain("amass_npy_inside", vec![seeds::amass_poses()], amass_file)
+    }
+}
+
+pub fn pose() -> Format {
+    plain("pose", vec![seeds::POSE.into()], |bytes| {
+        text(bytes).is_some_and(|text| motion::parse_pose(text, path()).is_ok())
+    })
+}
+
+pub fn pose_stream() -> Format {
+    plain("pose_stream", vec![seeds::POSE_STREAM.into()], |bytes| {
+        let mut reader = PoseReader::new(bytes, path());
+        loop {
+            match reader.next_pose() {
+                Ok(Some(_)) => {}
+                Ok(None) => return true,
+                Err(_) => return false,
+            }
+        }
+    })
+}
+
+pub fn baked() -> Format {
+    Format {
+        wrap: seeds::with_checksum,
+        ..plain("baked", vec![seeds::baked()], |bytes| {
+            supple_bake::from_bytes(bytes, path()).is_ok()
+        })
+    }
+}
+
+pub fn scene() -> Format {
+    plain("scene", seeds::scenes(), |bytes| {
+        text(bytes).is_some_and(|text| parse_scene(text, path()).is_ok())
+    })
+}
+
+pub fn recipe() -> Format {
+    plain("recipe", vec![seeds::RECIPE.into()], |bytes| {
+        text(bytes).is_some_and(|text| parse_avatar_source(text, path()).is_ok())
+    })
+}

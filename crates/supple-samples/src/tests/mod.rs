@@ -1,0 +1,5 @@
+//! What a hand and a body must be.
+
+mod body;
+mod hand;
+mod surface;

@@ -1,0 +1,7 @@
+//! Scenes read, refused and played, and any character baked with no recipe.
+
+mod assets;
+mod motion;
+mod scenes;
+#[path = "../../../../tests/engine/support.rs"]
+mod support;

@@ -1,0 +1,19 @@
+//! Every figure at its small size, and every committed scene on the GPU as on the CPU.
+
+mod command;
+mod figures;
+mod hand_press;
+mod reduced_accuracy;
+mod scene_parity;
+
+use std::path::Path;
+use std::sync::LazyLock;
+use supple_lab::{Size, Studio};
+
+/// One for all: what a test bakes, the others have.
+static STUDIO: LazyLock<Studio> = LazyLock::new(|| {
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lab");
+    Studio::new(Size::Small, SCENES, cache, |_| {})
+});
+
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenes");

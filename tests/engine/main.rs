@@ -1,0 +1,7 @@
+//! The engine's tests, in the rooms of `src`.
+
+mod imports;
+mod potential;
+mod sim;
+mod skeleton;
+mod support;

@@ -1,0 +1,276 @@
+//! Parity is worth something only if it can fail: every edit here breaks one kernel, and the parity of that
+//! kernel must notice.
+
+use super::kernels::CHECKS;
+use super::kernels::input::{avatar, seeds};
+use super::kernels::scene::{Scene, device};
+use supple::internal::gpu::Sources;
+use supple::material::Material;
+use supple::{Error, GpuError};
+
+/// (check that must fail, file, text that occurs once, its replacement)
+type Mutant = (&'static str, &'static str, &'static str, &'static str);
+
+#[rustfmt::skip]
+const MUTANTS: &[Mutant] = &[
+    // pose_blend
+    ("pose_blend", "pose_blend.wgsl", "points[i].position + x", "points[i].position - x"),
+    ("pose_blend", "pose_blend.wgsl", "pose_features[at * constants.features + k]", "pose_features[k]"),
+    ("pose_blend", "pose_blend.wgsl", "pose_columns[c + 2u]", "pose_columns[c + 1u]"),
+    ("pose_blend", "pose_blend.wgsl", "var k = 0u", "var k = 1u"),
+    ("pose_blend", "pose_blend.wgsl", "batch[at].instance * constants.points + i", "i"),
+    // displacement
+    ("displacement", "shared/point_motion.wgsl", "t_base - frames[f].joint", "t_base + frames[f].joint"),
+    ("displacement", "shared/point_motion.wgsl", "rotation * t_increment", "t_increment * rotation"),
+    ("displacement", "shared/point_motion.wgsl", "+ frames[f].position_increment", ""),
+    ("displacement", "shared/point_motion.wgsl", "t_increment += u.weight * phi.increment", "t_increment += phi.increment"),
+    ("displacement", "shared/point_motion.wgsl", "t_base += u.weight * phi.displacement", "t_base -= u.weight * phi.displacement"),
+    ("displacement", "displacement.wgsl", "state.slot * constants.bones)", "0u)"),
+    ("displacement", "shared/point_motion.wgsl", "Motion(d, t_base + t_increment, blended)", "Motion(d, t_base, blended)"),
+    ("displacement", "displacement.wgsl", "unposed[state.instance * constants.points + i]", "unposed[i]"),
+    ("displacement", "shared/point_motion.wgsl", "blended += w.weight * rotation", "blended += rotation"),
+    // elasticity
+    ("elasticity", "elasticity.wgsl", "outer(phi.displacement + phi.increment, u.gradient)", "outer(u.gradient, phi.displacement + phi.increment)"),
+    ("elasticity", "elasticity.wgsl", "outer(phi.displacement + phi.increment, u.gradient)", "outer(phi.displacement, u.gradient)"),
+    ("elasticity", "elasticity.wgsl", "p += state.damping_rate", "p -= state.damping_rate"),
+    ("elasticity", "elasticity.wgsl", "add_scaled(c, state.damping_rate, start)", "add_scaled(c, 0.5 * state.damping_rate, start)"),
+    ("elasticity", "elasticity.wgsl", "tangent[state.instance * constants.points + i];", "tangent[i];"),
+    ("elasticity", "shared/neo_hookean.wgsl", "return trace(h) + trace(cofactor(h)) + det(h)", "return trace(h) + trace(cofactor(h)) - det(h)"),
+    ("elasticity", "shared/neo_hookean.wgsl", "h + transpose(h) - trace(h) * identity()", "h + transpose(h) + trace(h) * identity()"),
+    ("elasticity", "shared/neo_hookean.wgsl", "+ ((lambda + mu) * volume_change(h))", "+ (lambda * volume_change(h))"),
+    ("elasticity", "shared/neo_hookean.wgsl", "kappa * outer(a[1], a[0]) + p * skew(f[2])", "kappa * outer(a[1], a[0]) - p * skew(f[2])"),
+    ("elasticity", "shared/neo_hookean.wgsl", "kappa * outer(a[2], a[0]) - p * skew(f[1])", "kappa * outer(a[2], a[0]) - p * skew(f[0])"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "min(mu + p * svd.sigma[k], 0.0)", "min(mu + p * svd.sigma[i], 0.0)"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "add_mode(c, -twist, ij - ji)", "add_mode(c, twist, ij - ji)"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "add_mode(c, -flip, ij + ji)", "add_mode(c, -flip, ij - ji)"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "let kappa = constants.material[0].y + mu", "let kappa = constants.material[0].y - mu"),
+    ("elasticity", "material/stable_neo_hookean.wgsl", "c = add_mode(c, -scaling.values[k], mode)", "c = add_mode(c, scaling.values[k], mode)"),
+    ("elasticity", "shared/neo_hookean.wgsl", "volume_change(h) - mu", "volume_change(h) + mu"),
+    ("elasticity", "elasticity.wgsl", "var p = local.stiffness *", "var p ="),
+    ("elasticity", "elasticity.wgsl", "scaled(projected_tangent(h, local.axes), local.stiffness)", "projected_tangent(h, local.axes)"),
+    ("elasticity", "elasticity.wgsl", "let local = tissue[i]", "let local = tissue[0]"),
+    ("elasticity", "shared/tensor.wgsl", "s * c.c20, s * c.c21", "s * c.c21, s * c.c20"),
+    ("elasticity", "material/orthotropic.wgsl", "0.5 * (transpose(axes) * (h + transpose(h) + transpose(h) * h) * axes)", "0.5 * (axes * (h + transpose(h) + transpose(h) * h) * transpose(axes))"),
+    ("elasticity", "material/orthotropic.wgsl", "0.5 * (transpose(axes) * (h + transpose(h) + transpose(h) * h) * axes)", "0.5 * (transpose(axes) * (h + transpose(h) + h * transpose(h)) * axes)"),
+    ("elasticity", "material/orthotropic.wgsl", "constants.material[0].z * exp(min(q, limit))", "constants.material[0].z * exp(q)"),
+    ("elasticity", "material/orthotropic.wgsl", "constants.material[0].z * exp(min(q, limit))", "constants.material[0].z * exp(limit)"),
+    ("elasticity", "material/orthotropic.wgsl", "select(0.0, slope, q < limit)", "slope"),
+    ("elasticity", "material/orthotropic.wgsl", "fibre_moduli() + slope * saturation_rates()", "fibre_moduli() + saturation_rates()"),
+    ("elasticity", "material/orthotropic.wgsl", "outer(constants.material[1].xyz, constants.material[1].xyz)", "outer(constants.material[1].xyz, constants.material[1].yxz)"),
+    ("elasticity", "material/orthotropic.wgsl", "outer(constants.material[2].xyz, constants.material[2].xyz)", "outer(constants.material[2].xyz, constants.material[1].xyz)"),
+    ("elasticity", "material/orthotropic.wgsl", "neo_hookean_stress(h) + s + h * s", "neo_hookean_stress(h) + s + s * h"),
+    ("elasticity", "material/orthotropic.wgsl", "(w * e[i][j]) * identity()", "e[i][j] * identity()"),
+    ("elasticity", "material/orthotropic.wgsl", "0.5 * w * outer(fg[j], fg[i])", "0.5 * w * outer(fg[i], fg[j])"),
+    ("elasticity", "material/orthotropic.wgsl", "+ 2.0 * f.growth * outer(t[i], t[j])", "+ f.growth * outer(t[i], t[j])"),
+    ("elasticity", "material/orthotropic.wgsl", "f.moduli[i].y * outer(fg[1], fg[1])", "f.moduli[i].y * outer(fg[2], fg[2])"),
+    ("elasticity", "material/orthotropic.wgsl", "b[4u * i] += column_block(f, fg, i);", ""),
+    ("elasticity", "material/orthotropic.wgsl", "axes[k][i] * axes[l][j]", "axes[i][k] * axes[j][l]"),
+    ("elasticity", "material/orthotropic.wgsl", "let t = fg * f.direction", "let t = f.direction * fg"),
+    ("elasticity", "material/orthotropic.wgsl", "return positive_part(add_scaled(neo_hookean_tangent(h), 1.0, fibres));", "return add_scaled(neo_hookean_tangent(h), 1.0, fibres);"),
+    ("elasticity", "shared/positive_part.wgsl", "(*a).rows[k][q] = r.z * kp + r.y * kq", "(*a).rows[k][q] = r.z * kp - r.y * kq"),
+    ("elasticity", "shared/positive_part.wgsl", "(*v).rows[k][p] = r.y * vp - r.z * vq", "(*v).rows[k][p] = r.y * vp + r.z * vq"),
+    ("elasticity", "shared/positive_part.wgsl", "sweep < 7", "sweep < 1"),
+    ("elasticity", "shared/positive_part.wgsl", "pivot -= l.rows[j][k] * l.rows[j][k]", "pivot += l.rows[j][k] * l.rows[j][k]"),
+    ("elasticity", "shared/positive_part.wgsl", "add_mode(out, -value, mode)", "add_mode(out, value, mode)"),
+    ("elasticity", "shared/positive_part.wgsl", "if (value < 0.0)", "if (value > 0.0)"),
+    ("elasticity", "shared/decomposition.wgsl", "let theta = (qq - pp)", "let theta = (pp - qq)"),
+    ("elasticity", "shared/decomposition.wgsl", "h + transpose(h) + transpose(h) * h", "h + transpose(h)"),
+    ("elasticity", "shared/decomposition.wgsl", "dot(u2, f2)", "abs(dot(u2, f2))"),
+    ("elasticity", "shared/tensor.wgsl", "c.c10 * a[0] + c.c11 * a[1] + a[2] * c.c21", "c.c10 * a[0] + c.c11 * a[1] + c.c21 * a[2]"),
+    // contact
+    ("contact", "contact.wgsl", "(p - position) * rotation", "rotation * (p - position)"),
+    ("contact", "contact.wgsl", "rotation = carrier.rotation * collider.rotation", "rotation = collider.rotation * carrier.rotation"),
+    ("contact", "contact.wgsl", "carrier.rotation * collider.position + carrier.position", "collider.position + carrier.position"),
+    ("contact", "contact.wgsl", ".index == bone", ".index == bone + 100u"),
+    ("contact", "contact.wgsl", "state.slot * constants.bones + collider.carrier - 1u", "collider.carrier - 1u"),
+    ("contact", "contact.wgsl", "point.measure == 0.0", "point.measure < 0.0"),
+    ("contact", "contact.wgsl", "collider.margin - d.distance", "d.distance - collider.margin"),
+    ("contact", "contact.wgsl", "vec4(rotation * d.normal", "vec4(d.normal"),
+    ("contact", "contact.wgsl", "colliders[state.instance * constants.colliders + k]", "colliders[k]"),
+    ("contact", "shared/point_motion.wgsl", "unposed - frames[f].joint", "unposed + frames[f].joint"),
+    ("contact", "shared/point_motion.wgsl", "phi.displacement + phi.increment", "phi.displacement"),
+    ("contact", "shared/point_motion.wgsl", "+ frames[f].position);", ");"),
+    ("contact", "collider/half_space.wgsl", "p.z", "p.y"),
+    ("contact", "collider/sphere.wgsl", "ball.distance - parameters.x", "ball.distance + parameters.x"),
+    ("contact", "collider/capsule.wgsl", "clamp(p.z, -parameters.y, parameters.y)", "clamp(p.z, -parameters.x, parameters.x)"),
+    ("contact", "collider/cylinder.wgsl", "abs(p.z) - parameters.y", "abs(p.z) - parameters.x"),
+    ("contact", "collider/cylinder.wgsl", "if (q.x > q.y)", "if (q.x < q.y)"),
+    ("contact", "collider/mesh.wgsl", "node.z + MESH_NODES * slot", "node.y + MESH_NODES * slot"),
+    ("contact", "collider/mesh.wgsl", "select(1.0 - t, t, side == vec3(1))", "select(t, 1.0 - t, side == vec3(1))"),
+    ("contact", "collider/mesh.wgsl", "w.z * w.x, w.x * w.y", "w.z * w.y, w.x * w.y"),
+    ("contact", "collider/mesh.wgsl", "slope /= parameters.xyz", "slope /= parameters.zyx"),
+    ("contact", "collider/mesh.wgsl", "beyond / far, d + far", "beyond / far, d"),
+    ("contact", "collider/box.wgsl", "out.normal * side", "out.normal"),
+    ("contact", "collider/box.wgsl", "abs(p) - parameters.xyz", "abs(p) - parameters.zyx"),
+    ("contact", "shared/contact.wgsl", "slot * constants.points * constants.colliders", "slot * constants.points"),
+    // friction
+    ("friction", "friction.wgsl", "collider.friction * force", "force"),
+    ("friction", "friction.wgsl", "points[vertex].measure * d.w * slope", "points[vertex].measure * d.w"),
+    ("friction", "friction.wgsl", "n = d.xyz / slope", "n = d.xyz"),
+    ("friction", "friction.wgsl", "return colliders[collider].friction > 0.0 &&", "return"),
+    ("friction", "friction.wgsl", "unposed[state.instance * constants.points + contact.vertex];\n    let moved", "unposed[contact.vertex];\n    let moved"),
+    ("friction", "friction.wgsl", "let vertex = pair / state.colliders", "let vertex = pair % state.colliders"),
+    ("friction", "friction.wgsl", "(p - carrier.position) * carrier.rotation", "carrier.rotation * (p - carrier.position)"),
+    ("friction", "friction.wgsl", "contact.normal * carrier.rotation", "contact.normal"),
+    ("friction", "friction.wgsl", "(p - collider.position) * collider.rotation", "p * collider.rotation"),
+    ("friction", "friction.wgsl", "collider.rotation * n + collider.rotation_change * n", "collider.rotation * n"),
+    ("friction", "friction.wgsl", "-(collider.rotation_change * a + collider.position_change)", "-collider.position_change"),
+    ("friction", "shared/point_motion.wgsl", "t_increment += u.weight * phi.increment", "t_increment -= u.weight * phi.increment"),
+    ("friction", "shared/point_motion.wgsl", "rotation * t_increment + frames[f].position_increment", "rotation * t_increment"),
+    ("friction", "friction.wgsl", "u -= frames[f].rotation_increment * contact.anchor", "u += frames[f].rotation_increment * contact.anchor"),
+    ("friction", "friction.wgsl", "slips[state.slot * constants.contacts + id.x]", "slips[id.x]"),
+    ("friction", "shared/exclusive_sum.wgsl", "return counts[lane] - count", "return counts[lane]"),
+    // compact
+    ("compact", "compact.wgsl", "count += u32(distances[first + pair].w > 0.0)", "count += u32(distances[first + pair].w > 1e-3)"),
+    ("compact", "shared/exclusive_sum.wgsl", "(lane + 1u) * length", "(lane + 1u) * length - 1u"),
+    ("compact", "compact.wgsl", "let vertex = pair / state.colliders", "let vertex = pair % state.colliders"),
+    ("compact", "compact.wgsl", "colliders[index].stiffness * points[vertex].measure", "colliders[index].stiffness"),
+    ("compact", "compact.wgsl", "Contact(d.xyz, -(k * d.w)", "Contact(d.xyz, k * d.w"),
+    ("compact", "compact.wgsl", "+ 2u * rubbing", "+ rubbing"),
+    ("compact", "compact.wgsl", ".rotation * n;", ".rotation * vec3(n.y, n.x, n.z);"),
+    ("compact", "compact.wgsl", "tangential(contact.start + slip, n)", "tangential(slip, n)"),
+    ("compact", "compact.wgsl", "slopes.x * y, slopes.y", "slopes.x * y, slopes.x"),
+    ("compact", "compact.wgsl", "Contact(cross(n, along), 0.0, slopes.x", "Contact(cross(n, along), 0.0, slopes.y"),
+    ("compact", "compact.wgsl", "slips[state.slot * constants.contacts + id.x]", "slips[id.x]"),
+    ("compact", "compact.wgsl", "contact_rows[last - 1u] = -n", "contact_rows[last - 1u] = n"),
+    ("compact", "compact.wgsl", "-cross(p - carrier.position, n)", "-cross(p, n)"),
+    ("compact", "compact.wgsl", "constants.contact_blocks - 1u + block % 2u", "constants.contact_blocks - block % 2u"),
+    ("compact", "shared/friction.wgsl", "return u - dot(n, u) * n", "return u + dot(n, u) * n"),
+    ("compact", "shared/friction.wgsl", "2.0 * rest / smoothing", "rest / smoothing"),
+    ("compact", "shared/friction.wgsl", "(1.0 + rest) / smoothing", "(2.0 + rest) / smoothing"),
+    ("compact", "compact.wgsl", "w.weight * cross(frames[f].rotation * (t - frames[f].joint), n)", "w.weight * cross(n, frames[f].rotation * (t - frames[f].joint))"),
+    ("compact", "compact.wgsl", "(n * frames[f].rotation)", "(frames[f].rotation * n)"),
+    ("compact", "compact.wgsl", "= u.weight * unposed_normal", "= unposed_normal"),
+    ("compact", "compact.wgsl", "k * 256u + place - 1u", "k * 256u + place"),
+    ("compact", "compact.wgsl", "(8u * (block % 4u))", "(8u * (block % 3u))"),
+    // gradient
+    ("gradient", "gradient.wgsl", "moved.displacement - target_displacement", "moved.displacement + target_displacement"),
+    ("gradient", "gradient.wgsl", "- state.gravity", "+ state.gravity"),
+    ("gradient", "gradient.wgsl", "let mass = constants.density * point.measure", "let mass = constants.density"),
+    ("gradient", "gradient.wgsl", "force * moved.blended", "moved.blended * force"),
+    ("gradient", "gradient.wgsl", "+ weighted_stress * g", "- weighted_stress * g"),
+    ("gradient", "gradient.wgsl", "cross(frames[f].rotation * (moved.unposed - frames[f].joint), force)", "cross(moved.unposed - frames[f].joint, force)"),
+    ("gradient", "gradient.wgsl", "sum += contact.force * row", "sum -= contact.force * row"),
+    ("gradient", "gradient.wgsl", "entry % 256u", "0u"),
+    ("gradient", "gradient.wgsl", "width = 32u", "width = 16u"),
+    ("gradient", "gradient.wgsl", "group.y * constants.local_blocks;", "0u;"),
+    // point_hessian
+    ("point_hessian", "point_hessian.wgsl", "j = -inertia * skew", "j = inertia * skew"),
+    ("point_hessian", "point_hessian.wgsl", "constants.density * point.measure * state.mass_rate", "constants.density * state.mass_rate"),
+    ("point_hessian", "point_hessian.wgsl", "let g = point.measure * own.xyz", "let g = own.xyz"),
+    ("point_hessian", "point_hessian.wgsl", "g.x * c.c00 + g.y * transpose(c.c10)", "g.x * c.c00 + g.y * c.c10"),
+    ("point_hessian", "point_hessian.wgsl", "other.y * y1 + other.z * y2", "other.z * y1 + other.y * y2"),
+    ("point_hessian", "point_hessian.wgsl", "= transpose(h);", "= h;"),
+    ("point_hessian", "point_hessian.wgsl", "transpose(blended) * j", "blended * j"),
+    ("point_hessian", "point_hessian.wgsl", "half + u32(blocks % 2u == 1u || b < half)", "half"),
+    ("point_hessian", "point_hessian.wgsl", "cross(other.xyz, j[1])", "cross(j[1], other.xyz)"),
+    ("point_hessian", "point_hessian.wgsl", "h = other.w * j;", "h = j;"),
+    ("point_hessian", "point_hessian.wgsl", "motion[at].unposed - frames[f].joint", "motion[at].unposed"),
+    // hessian
+    ("hessian", "hessian.wgsl", "sum += transpose(h)", "sum += h"),
+    ("hessian", "hessian.wgsl", "let first = id.y * constants.local_pairs", "let first = 0u"),
+    ("hessian", "hessian.wgsl", "row * column.y", "row * column.z"),
+    ("hessian", "hessian.wgsl", "let row = contact_rows[rows + here % 256u]", "let row = contact_rows[rows + there % 256u]"),
+    ("hessian", "hessian.wgsl", "u32(contact <= there / 256u)", "1u"),
+    ("hessian", "hessian.wgsl", "r <= row_end", "r < row_end"),
+    ("hessian", "hessian.wgsl", "(id.y * constants.blocks + block.column)", "(id.y * constants.blocks + block.row)"),
+    // energy
+    ("energy", "energy.wgsl", "dot(delta, delta + 2.0 * e)", "dot(delta, delta + e)"),
+    ("energy", "energy.wgsl", "var e = -motion", "var e = motion"),
+    ("energy", "energy.wgsl", "out.gravity = -mass", "out.gravity = mass"),
+    ("energy", "energy.wgsl", "increment + 2.0 * base_increment", "increment + base_increment"),
+    ("energy", "energy.wgsl", "(depth - base_depth) * (depth + base_depth)", "(depth - base_depth) * (depth - base_depth)"),
+    ("energy", "energy.wgsl", "h += outer(phi.displacement, u.gradient)", "h += outer(phi.displacement + phi.increment, u.gradient)"),
+    ("energy", "energy.wgsl", "let from_start = !is_start(state.base, state.instance)", "let from_start = true"),
+    ("energy", "energy.wgsl", "mine.force += stiffness * depth * here.xyz", "mine.force -= stiffness * depth * here.xyz"),
+    ("energy", "energy.wgsl", "constants.point_groups + group.x] = sum", "group.x] = sum"),
+    ("energy", "energy.wgsl", "contact.limit * smoothed_difference", "smoothed_difference"),
+    ("energy", "energy.wgsl", "(*out).force -=", "(*out).force +="),
+    ("energy", "energy.wgsl", "u += slips[state.base * constants.contacts + k].xyz", "u = slips[state.base * constants.contacts + k].xyz"),
+    ("energy", "energy.wgsl", "base_normal = lagged_normal(contact, state.base)", "base_normal = vec3(0.0)"),
+    ("energy", "shared/friction.wgsl", "(s * s + s * b + b * b)", "(s * s + b * b)"),
+    ("energy", "shared/friction.wgsl", "+ (y - s) - (base - b)", "+ (y - s)"),
+    ("energy", "shared/neo_hookean.wgsl", "0.5 * double_dot(d, d) - s", "0.5 * double_dot(d, d) + s"),
+    ("energy", "shared/neo_hookean.wgsl", "(2.0 * volume_change(h) + dj)", "(volume_change(h) + dj)"),
+    ("energy", "energy.wgsl", "point.measure * local.stiffness * energy", "point.measure * energy"),
+    ("energy", "material/orthotropic.wgsl", "let fd = d + transpose(h) * d", "let fd = d + h * d"),
+    ("energy", "material/orthotropic.wgsl", "(fd + transpose(fd) + transpose(d) * d)", "(fd + transpose(fd))"),
+    ("energy", "material/orthotropic.wgsl", "let between = 2.0 * e + change", "let between = e + change"),
+    ("energy", "material/orthotropic.wgsl", "+ exp(limit) * (change - inner)", ""),
+    ("energy", "material/orthotropic.wgsl", "exp(min(q, limit)) * exponential_less_one(inner)", "exp(limit) * exponential_less_one(inner)"),
+    ("energy", "material/orthotropic.wgsl", "0.5 * (fibres + saturating)", "fibres + 0.5 * saturating"),
+    ("energy", "material/orthotropic.wgsl", "if (q >= limit)", "if (q >= 2.0 * limit)"),
+    // skin
+    ("skin", "skin.wgsl", "unposed[at]", "unposed[i]"),
+    ("skin", "skin.wgsl", "skinned_position(point, t, state.slot * constants.bones)", "skinned_position(point, t, 0u)"),
+    ("skin", "shared/point_motion.wgsl", "t += u.weight * (", "t -= u.weight * ("),
+    // normals
+    ("normals", "normals.wgsl", "n += cross", "n -= cross"),
+    ("normals", "normals.wgsl", "skin_vertices[first + edge.y].position - v)", "skin_vertices[first + edge.y].position)"),
+    ("normals", "normals.wgsl", "var k = fan_rows[i]", "var k = fan_rows[i] + 1u"),
+    ("normals", "normals.wgsl", "n / length", "n"),
+];
+
+/// Two scenes of a material that uses the file `path`: the plainest of them.
+fn seeds_that_see(path: &str) -> Vec<u64> {
+    let is_material = |p: &&str| *p == path;
+    let of_some = Material::examples()
+        .iter()
+        .any(|m| m.kernels().iter().any(&is_material));
+    let uses = |seed: &u64| !of_some || avatar(*seed).material.kernels().contains(&path);
+    seeds(2).into_iter().filter(uses).take(2).collect()
+}
+
+#[test]
+fn parity_notices_every_mutant() {
+    let gpu = device();
+    let mut survivors = Vec::new();
+    for (number, &(name, path, from, to)) in MUTANTS.iter().enumerate() {
+        let (_, check) = (CHECKS.iter())
+            .find(|(check, _)| *check == name)
+            .unwrap_or_else(|| panic!("there is no check `{name}`"));
+        let mutant = format!("{number}: {path}: `{from}` → `{to}`");
+        let noticed = seeds_that_see(path).into_iter().any(|seed| {
+            let material = avatar(seed).material;
+            let sources = Sources::new(&material)
+                .edited(path, from, to)
+                .unwrap_or_else(|e| panic!("{mutant}: {e}"));
+            match Scene::run(&gpu, seed, Some(sources)) {
+                Ok(scene) => check(&scene).is_err(),
+                Err(error @ Error::Gpu(GpuError::Shader { .. })) => panic!("{mutant}: {error}"),
+                // Not finite, or more contacts than there is room for: nobody could overlook that.
+                Err(_) => true,
+            }
+        });
+        if !noticed {
+            survivors.push(mutant);
+        }
+    }
+    assert!(
+        survivors.is_empty(),
+        "not noticed:\n{}",
+        survivors.join("\n")
+    );
+}
+
+#[test]
+fn every_kernel_has_mutants() {
+    for (name, _) in CHECKS {
+        let count = MUTANTS.iter().filter(|(check, ..)| check == name).count();
+        assert!(count >= 3, "{name} has {count}");
+    }
+    let material = avatar(1).material;
+    for path in Sources::new(&material).paths() {
+        let mutated = MUTANTS.iter().any(|(_, file, ..)| *file == path);
+        let declarations_only = [
+            "shared/batch.wgsl",
+            "shared/kinematics.wgsl",
+            "shared/tissue.wgsl",
+            "shared/distance.wgsl",
+        ];
+        assert!(
+            mutated || declarations_only.contains(&path),
+            "{path} has no mutant"
+        );
+    }
+}

@@ -1,0 +1,11 @@
+//! Whole steps: what must hold in time.
+
+mod adversarial;
+mod batch;
+mod bodies;
+mod bone_press;
+mod contact_pairs;
+mod dynamics;
+mod linear_solver;
+mod newton;
+mod statics;

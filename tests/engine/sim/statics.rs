@@ -1,0 +1,186 @@
+//! What must hold at rest: the parametric shape where nothing touches, joints under load, and the
+//! balance of contact, weight and what holds the bones.
+
+use crate::support;
+
+use std::sync::Arc;
+use supple::Result;
+use supple::collider::{Collider, Shape};
+use supple::glam::{DMat3, DVec3};
+use supple::internal::math::rotation_exp;
+use supple::model::{Avatar, Frame};
+use supple::potential::CpuPotential;
+use supple::sim::{Pin, Settings, Simulation, SolverMode};
+use supple::skeleton::Tracking;
+
+fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<CpuPotential> {
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
+    Simulation::new(avatar, potential, settings).unwrap()
+}
+
+/// A bent pose.
+fn bent(avatar: &Avatar) -> Vec<Frame> {
+    let angles = [
+        DVec3::new(0.3, -0.2, 0.1),
+        DVec3::new(0.1, 0.6, -0.2),
+        DVec3::new(-0.2, 0.8, 0.3),
+    ];
+    avatar
+        .skeleton
+        .forward_kinematics(&angles.map(rotation_exp), DVec3::new(0.1, 0.2, 0.3))
+}
+
+#[test]
+fn without_gravity_a_static_pose_is_forward_kinematics() -> Result<()> {
+    let avatar = support::full_space_limb(&support::SMALL, 3, true);
+    let mut simulation = simulation(&avatar, Settings::default());
+    let frames = bent(&avatar);
+    let instance = &mut simulation.instances_mut()[0];
+    instance.gravity = DVec3::ZERO;
+    instance.pose(&frames, &avatar.skeleton.parents);
+    instance.targets = vec![Tracking::new(0, frames[0])];
+    let start = instance.state.clone();
+    for _ in 0..50 {
+        simulation.step_blocking()?;
+    }
+    let state = &simulation.instances()[0].state;
+    let [a, b] = [&start, state].map(|q| support::posed(&avatar, &avatar.skin, q));
+    let error = support::largest_distance(&a, &b);
+    assert!(error < 1e-12, "{error:e} m");
+    Ok(())
+}
+
+#[test]
+fn under_gravity_a_captured_shape_stays_and_joints_sag_little() -> Result<()> {
+    let avatar = support::full_space_limb(&support::SMALL, 3, true);
+    let settings = Settings {
+        // The limb weighs 1.5 kg over a lever of 0.1 m.
+        bending_stiffness: 2e3,
+        ..Settings::default()
+    };
+    let mut simulation = simulation(&avatar, settings);
+    let frames = bent(&avatar);
+    let instance = &mut simulation.instances_mut()[0];
+    instance.pose(&frames, &avatar.skeleton.parents);
+    let mut target = Tracking::new(0, frames[0]);
+    // As stiff as the hand's, for its greater weight.
+    target.rotation.as_mut().unwrap().stiffness = 2e3;
+    target.position.as_mut().unwrap().stiffness = 1e6;
+    instance.targets = vec![target];
+    for _ in 0..300 {
+        simulation.step_blocking()?;
+    }
+    let state = &simulation.instances()[0].state;
+    let displaced = state.handles.iter().map(|h| h.length()).fold(0.0, f64::max);
+    assert!(displaced < 1e-6, "φ = {displaced:e} m");
+    let mut skeleton = state.clone();
+    skeleton.handles.fill(DVec3::ZERO);
+    let [a, b] = [&skeleton, state].map(|q| support::posed(&avatar, &avatar.skin, q));
+    let error = support::largest_distance(&a, &b);
+    assert!(error < 1e-6, "{error:e} m off linear blend skinning");
+    let gap = supple::skeleton::joint_gap(&avatar.skeleton, &state.frames);
+    let turned = state
+        .frames
+        .iter()
+        .zip(&frames)
+        .map(|(a, b)| b.motion_to(a).1.length());
+    let turned = turned.fold(0.0, f64::max).to_degrees();
+    println!("joint gap {gap:e} m, sag {turned}°");
+    assert!(gap < 1e-4, "{gap:e} m");
+    Ok(())
+}
+
+#[test]
+fn joints_of_a_chain_hold_under_load() -> Result<()> {
+    for bones in [2, 5, 10] {
+        let limb = supple_samples::Limb {
+            stations: 2 * bones,
+            layers: 1,
+            sectors: 4,
+            length: 0.05 * bones as f64,
+            ..support::SMALL
+        };
+        let avatar = support::full_space_limb(&limb, bones, true);
+        let mut simulation = simulation(&avatar, Settings::default());
+        let instance = &mut simulation.instances_mut()[0];
+        // Hanging from its pinned first bone by eight times its weight.
+        instance.gravity = DVec3::X * 80.0;
+        let frame = instance.state.frames[0];
+        instance.pins.push(Pin { bone: 0, frame });
+        let mut gap = 0.0;
+        for _ in 0..300 {
+            gap = simulation.step_blocking()?.instances[0].max_joint_gap;
+        }
+        let mass = |j: usize| avatar.bone_masses[j].second_moment[3][3];
+        let tissue: f64 = (0..avatar.cubature.len())
+            .map(|i| {
+                let beyond = avatar
+                    .cubature
+                    .skinning
+                    .row(i)
+                    .iter()
+                    .filter(|w| w.bone > 0);
+                avatar.density * avatar.cubature.measure[i] * beyond.map(|w| w.weight).sum::<f64>()
+            })
+            .sum();
+        let load = 80.0 * ((1..bones).map(mass).sum::<f64>() + tissue);
+        println!(
+            "{bones} bones: largest gap {:.4} mm under {load:.1} N",
+            gap * 1e3
+        );
+        // The first joint carries everything beyond it: k = 1e6 N/m.
+        assert!(
+            (gap * 1e6 / load - 1.0).abs() < 0.01,
+            "{gap:e} m under {load} N"
+        );
+        assert!(gap < 5e-4);
+    }
+    Ok(())
+}
+
+#[test]
+fn the_wrists_load_is_contact_and_weight() -> Result<()> {
+    for (solver, pinned) in [
+        (SolverMode::OneIteration, false),
+        (SolverMode::CONVERGED, false),
+        (SolverMode::OneIteration, true),
+    ] {
+        let avatar = support::full_space_limb(&support::SMALL, 1, false);
+        let settings = Settings {
+            solver,
+            ..Settings::default()
+        };
+        let mut simulation = simulation(&avatar, settings);
+        let instance = &mut simulation.instances_mut()[0];
+        let frame = instance.state.frames[0];
+        if pinned {
+            instance.pins.push(Pin { bone: 0, frame });
+        } else {
+            instance.targets.push(Tracking::new(0, frame));
+        }
+        let plate = |press: f64| Frame {
+            position: DVec3::new(0.1, 0.0, 0.14 - press),
+            rotation: DMat3::IDENTITY,
+        };
+        let shape = Shape::Box {
+            half_extents: [0.1; 3],
+        };
+        instance.colliders.push(Collider::new(shape, plate(0.0)));
+        let mut last = None;
+        for step in 1..=150 {
+            let press = 0.006 * f64::min(1.0, step as f64 / 50.0);
+            simulation.instances_mut()[0].colliders[0].frame = plate(press);
+            last = Some(simulation.step_blocking()?);
+        }
+        let report = last.unwrap().instances.remove(0);
+        let contact = report.contact_force;
+        let missing = contact + report.weight + report.loads[0].force;
+        println!("contact {contact} N, load {} N", report.loads[0].force);
+        assert!(contact.z < -5.0, "{contact}");
+        assert!(
+            missing.length() < 1e-3 * contact.length(),
+            "{missing} N is missing"
+        );
+    }
+    Ok(())
+}

@@ -1,8 +1,0 @@
-//! Motions: what files say, and what an avatar makes of it.
-
-mod formats;
-mod recorded;
-mod retarget;
-mod scene;
-#[path = "../support/mod.rs"]
-mod support;
