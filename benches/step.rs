@@ -87,7 +87,8 @@ fn bench(criterion: &mut Criterion) {
     }
     // Seconds a step: fewer of them, and a hastier press.
     let avatar = bake(&body, &recipe, &mut |_| {}).expect("a bake").0;
-    let (full, simulation) = full_space_simulation(&avatar, 1, 2048, scene.settings).expect("the full space");
+    let (full, simulation) =
+        full_space_simulation(&avatar, 1, 2048, scene.settings).expect("the full space");
     let name = "step/cpu/full space";
     pressed(criterion, name, &scene, &full, simulation, 20.0).expect("a press");
 }

@@ -10,9 +10,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::math::rotation_exp;
 use supple::model::Surface;
 use supple_bake::ParametricModel;
-use supple_pictures::{
-    Camera, Image, Mesh, Panel, Projection, Strip, View, from_srgb, render,
-};
+use supple_pictures::{Camera, Image, Mesh, Panel, Projection, Strip, View, from_srgb, render};
 
 /// Rotations of left bones about x, y and z (degrees); right ones take the mirror image unless `alternate`,
 /// where they take that of the opposite turn about x.

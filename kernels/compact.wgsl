@@ -22,21 +22,21 @@
 @compute @workgroup_size(256)
 fn compact(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
     let state = batch[chunk.first + group.y];
     let first = first_distance(state.slot, 0u, state.colliders);
-    let run = run_of(lane, 256u, constants.points * state.colliders);
+    let run = run_of(thread, 256u, constants.points * state.colliders);
     var count = 0u;
     for (var pair = run.begin; pair < run.end; pair++) {
         count += u32(distances[first + pair].w > 0.0);
     }
-    var at = exclusive_sum(lane, 256u, count);
-    if (lane == 255u) {
+    var at = exclusive_sum(thread, 256u, count);
+    if (thread == 255u) {
         let found = at + count;
         let rubbing = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
         contacts[contact_header(group.y)].vertex = found;
-        contacts[contact_header(group.y)].carrier =
+        contacts[contact_header(group.y)].body =
             min(found, constants.contacts) + 2u * rubbing;
     }
     for (var pair = run.begin; pair < run.end; pair++) {
@@ -47,7 +47,7 @@ fn compact(
                 let index = state.instance * constants.colliders + pair % state.colliders;
                 let k = colliders[index].stiffness * points[vertex].measure;
                 contacts[contact_header(group.y) + 1u + at] =
-                    Contact(d.xyz, -(k * d.w), k, vertex, colliders[index].carrier);
+                    Contact(d.xyz, -(k * d.w), k, vertex, colliders[index].body);
             }
             at++;
         }
@@ -65,8 +65,8 @@ fn friction_rows(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let contact = lagged[header + 1u + id.x];
     var n = contact.normal;
-    if (contact.carrier > 0u) {
-        n = frames[state.slot * constants.bones + contact.carrier - 1u].rotation * n;
+    if (contact.body > 0u) {
+        n = frames[state.slot * constants.bones + contact.body - 1u].rotation * n;
     }
     let slip = slips[state.slot * constants.contacts + id.x].xyz;
     let u = tangential(contact.start + slip, n);
@@ -77,9 +77,9 @@ fn friction_rows(@builtin(global_invocation_id) id: vec3<u32>) {
     let slopes = contact.limit * smoothed_slopes(y, state.smoothing);
     let pushes = min(contacts[contact_header(id.y)].vertex, constants.contacts);
     let at = contact_header(id.y) + 1u + pushes + 2u * id.x;
-    contacts[at] = Contact(along, slopes.x * y, slopes.y, contact.vertex, contact.carrier);
+    contacts[at] = Contact(along, slopes.x * y, slopes.y, contact.vertex, contact.body);
     contacts[at + 1u] =
-        Contact(cross(n, along), 0.0, slopes.x, contact.vertex, contact.carrier);
+        Contact(cross(n, along), 0.0, slopes.x, contact.vertex, contact.body);
 }
 
 // Jᵀe of side A, block by block in the vertex's own order: with a = R_j (T − J_j),
@@ -87,7 +87,7 @@ fn friction_rows(@builtin(global_invocation_id) id: vec3<u32>) {
 // and of side B in the last two places: c: −e     ω: −(x − c) × e. One thread a row.
 @compute @workgroup_size(64)
 fn contact_rows_of(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (id.x >= contacts[contact_header(id.y)].carrier) {
+    if (id.x >= contacts[contact_header(id.y)].body) {
         return;
     }
     let state = batch[chunk.first + id.y];
@@ -110,18 +110,18 @@ fn contact_rows_of(@builtin(global_invocation_id) id: vec3<u32>) {
         let u = influences[point.first_influence + point.bones + k];
         contact_rows[row + 2u * point.bones + k] = u.weight * unposed_normal;
     }
-    if (contact.carrier > 0u) {
-        let carrier = frames[state.slot * constants.bones + contact.carrier - 1u];
+    if (contact.body > 0u) {
+        let body = frames[state.slot * constants.bones + contact.body - 1u];
         let p = skinned_position(point, t, state.slot * constants.bones);
         let last = row + constants.contact_blocks - 1u;
         contact_rows[last - 1u] = -n;
-        contact_rows[last] = -cross(p - carrier.position, n);
+        contact_rows[last] = -cross(p - body.position, n);
     }
 }
 
 // 1 + the place of a block in a row, 0 where it does not move it
 fn place_of(block: u32, contact: Contact) -> u32 {
-    if (contact.carrier > 0u && block / 2u == contact.carrier - 1u) {
+    if (contact.body > 0u && block / 2u == contact.body - 1u) {
         return constants.contact_blocks - 1u + block % 2u;
     }
     let words = (constants.blocks + 3u) / 4u;
@@ -133,18 +133,18 @@ fn place_of(block: u32, contact: Contact) -> u32 {
 @compute @workgroup_size(64)
 fn block_contacts_of(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
-    let rows = contacts[contact_header(group.y)].carrier;
+    let rows = contacts[contact_header(group.y)].body;
     let block = group.x;
     let list = (group.y * constants.blocks + block) * (row_room() + 1u);
-    let run = run_of(lane, 64u, rows);
+    let run = run_of(thread, 64u, rows);
     var count = 0u;
     for (var k = run.begin; k < run.end; k++) {
         count += u32(place_of(block, contacts[contact_header(group.y) + 1u + k]) > 0u);
     }
-    var at = exclusive_sum(lane, 64u, count);
-    if (lane == 63u) {
+    var at = exclusive_sum(thread, 64u, count);
+    if (thread == 63u) {
         block_contacts[list] = at + count;
     }
     for (var k = run.begin; k < run.end; k++) {

@@ -46,14 +46,14 @@ fn contact(@builtin(global_invocation_id) id: vec3<u32>) {
         let collider = colliders[state.instance * constants.colliders + k];
         var rotation = collider.rotation;
         var position = collider.position;
-        if (collider.carrier > 0u) {
-            if (moves_with(point, collider.carrier - 1u)) {
+        if (collider.body > 0u) {
+            if (moves_with(point, collider.body - 1u)) {
                 distances[first + k] = vec4(0.0);
                 continue;
             }
-            let carrier = frames[state.slot * constants.bones + collider.carrier - 1u];
-            rotation = carrier.rotation * collider.rotation;
-            position = carrier.rotation * collider.position + carrier.position;
+            let body = frames[state.slot * constants.bones + collider.body - 1u];
+            rotation = body.rotation * collider.rotation;
+            position = body.rotation * collider.position + body.position;
         }
         // The collider's own frame: Rᵀ (p − c).
         let d = signed_distance(collider.shape, collider.parameters, (p - position) * rotation);

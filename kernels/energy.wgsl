@@ -46,19 +46,19 @@ fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
     );
 }
 
-var<workgroup> lanes: array<PartialEnergy, 64>;
+var<workgroup> threads: array<PartialEnergy, 64>;
 
-// The sum over a workgroup in a fixed tree, in lane 0.
-fn tree_sum(lane: u32, mine: PartialEnergy) -> PartialEnergy {
-    lanes[lane] = mine;
+// The sum over a workgroup in a fixed tree, in thread 0.
+fn tree_sum(thread: u32, mine: PartialEnergy) -> PartialEnergy {
+    threads[thread] = mine;
     workgroupBarrier();
     for (var width = 32u; width > 0u; width /= 2u) {
-        if (lane < width) {
-            lanes[lane] = sum_of(lanes[lane], lanes[lane + width]);
+        if (thread < width) {
+            threads[thread] = sum_of(threads[thread], threads[thread + width]);
         }
         workgroupBarrier();
     }
-    return lanes[0];
+    return threads[0];
 }
 
 fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
@@ -100,15 +100,15 @@ fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
 @compute @workgroup_size(64)
 fn point_energy(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
-    let i = 64u * group.x + lane;
+    let i = 64u * group.x + thread;
     var mine = PartialEnergy();
     if (i < constants.points) {
         mine = energy_of_point(i, batch[chunk.first + group.y]);
     }
-    let sum = tree_sum(lane, mine);
-    if (lane == 0u) {
+    let sum = tree_sum(thread, mine);
+    if (thread == 0u) {
         let stride = constants.point_groups + constants.vertex_groups;
         partial_energies[(chunk.first + group.y) * stride + group.x] = sum;
     }
@@ -116,10 +116,10 @@ fn point_energy(
 
 // n of a lagged contact in a state
 fn lagged_normal(contact: Lagged, slot: u32) -> vec3<f32> {
-    if (contact.carrier == 0u) {
+    if (contact.body == 0u) {
         return contact.normal;
     }
-    return frames[slot * constants.bones + contact.carrier - 1u].rotation * contact.normal;
+    return frames[slot * constants.bones + contact.body - 1u].rotation * contact.normal;
 }
 
 // Adds the lagged contact `k` of the state's instance.
@@ -143,10 +143,10 @@ fn add_friction(k: u32, state: BatchState, out: ptr<function, PartialEnergy>) {
 @compute @workgroup_size(64)
 fn contact_energy(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
     let state = batch[chunk.first + group.y];
-    let i = 64u * group.x + lane;
+    let i = 64u * group.x + thread;
     var mine = PartialEnergy();
     if (i < constants.points) {
         for (var k = 0u; k < state.colliders; k++) {
@@ -164,8 +164,8 @@ fn contact_energy(
     for (var k = i; k < rubbing; k += 64u * constants.vertex_groups) {
         add_friction(k, state, &mine);
     }
-    let sum = tree_sum(lane, mine);
-    if (lane == 0u) {
+    let sum = tree_sum(thread, mine);
+    if (thread == 0u) {
         let stride = constants.point_groups + constants.vertex_groups;
         partial_energies[(chunk.first + group.y) * stride + constants.point_groups + group.x] = sum;
     }
@@ -175,17 +175,17 @@ fn contact_energy(
 @compute @workgroup_size(64)
 fn energy(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
     let stride = constants.point_groups + constants.vertex_groups;
     let first = (chunk.first + group.y) * stride;
     var mine = PartialEnergy();
-    for (var k = lane; k < stride; k += 64u) {
+    for (var k = thread; k < stride; k += 64u) {
         mine = sum_of(mine, partial_energies[first + k]);
     }
-    let sum = tree_sum(lane, mine);
+    let sum = tree_sum(thread, mine);
     let header = lagged_header(batch[chunk.first + group.y].instance);
-    if (lane == 0u) {
+    if (thread == 0u) {
         summaries[chunk.first + group.y] =
             Summary(sum, contacts[contact_header(group.y)].vertex, lagged[header].vertex);
     }

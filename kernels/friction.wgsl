@@ -17,34 +17,34 @@
 @group(0) @binding(11) var<storage, read_write> slips: array<vec4<f32>>;
 
 // Whether a vertex and a collider, one pair of `distances`, touch and rub.
-fn rubs(pair: u32, collider: u32) -> bool {
+fn has_friction(pair: u32, collider: u32) -> bool {
     return colliders[collider].friction > 0.0 && distances[pair].w > 0.0;
 }
 
 // Lists what touches a rough collider at qⁿ, with λ = k a δ |∇d| and n along ∇d in world axes; where ∇d
-// vanishes (between samples of a distance) nothing rubs. `distances` and `colliders` are those of tⁿ. One
+// vanishes (between samples of a distance) nothing has_friction. `distances` and `colliders` are those of tⁿ. One
 // workgroup a state; each thread takes a run of vertex–collider pairs.
 @compute @workgroup_size(256)
 fn lag(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
     let state = batch[chunk.first + group.y];
     let first = first_distance(state.slot, 0u, state.colliders);
     let first_collider = state.instance * constants.colliders;
-    let run = run_of(lane, 256u, constants.points * state.colliders);
+    let run = run_of(thread, 256u, constants.points * state.colliders);
     var count = 0u;
     for (var pair = run.begin; pair < run.end; pair++) {
-        count += u32(rubs(first + pair, first_collider + pair % state.colliders));
+        count += u32(has_friction(first + pair, first_collider + pair % state.colliders));
     }
-    var at = exclusive_sum(lane, 256u, count);
+    var at = exclusive_sum(thread, 256u, count);
     let header = lagged_header(state.instance);
-    if (lane == 255u) {
+    if (thread == 255u) {
         lagged[header].vertex = at + count;
     }
     for (var pair = run.begin; pair < run.end; pair++) {
         let index = pair % state.colliders;
-        if (rubs(first + pair, first_collider + index)) {
+        if (has_friction(first + pair, first_collider + index)) {
             if (at < constants.contacts) {
                 let vertex = pair / state.colliders;
                 lagged[header + 1u + at] = started(
@@ -65,7 +65,7 @@ fn started(d: vec4<f32>, vertex: u32, index: u32, collider: Collider) -> Lagged 
         slope = 0.0;
     }
     let force = collider.stiffness * points[vertex].measure * d.w * slope;
-    return Lagged(vec3(0.0), collider.friction * force, n, vertex, vec3(0.0), collider.carrier, index);
+    return Lagged(vec3(0.0), collider.friction * force, n, vertex, vec3(0.0), collider.body, index);
 }
 
 // Into the frame that the collider is fixed to: a, n and u at qⁿ. One thread a lagged contact.
@@ -82,10 +82,10 @@ fn anchor(@builtin(global_invocation_id) id: vec3<u32>) {
     let rest = unposed[state.instance * constants.points + contact.vertex];
     let t = unposed_position(point, rest, state.slot * constants.handles);
     let p = skinned_position(point, t, state.slot * constants.bones);
-    if (contact.carrier > 0u) {
-        let carrier = frames[state.slot * constants.bones + contact.carrier - 1u];
-        lagged[at].anchor = (p - carrier.position) * carrier.rotation;
-        lagged[at].normal = contact.normal * carrier.rotation;
+    if (contact.body > 0u) {
+        let body = frames[state.slot * constants.bones + contact.body - 1u];
+        lagged[at].anchor = (p - body.position) * body.rotation;
+        lagged[at].normal = contact.normal * body.rotation;
         return;
     }
     let collider = colliders[state.instance * constants.colliders + contact.collider];
@@ -109,8 +109,8 @@ fn slip(@builtin(global_invocation_id) id: vec3<u32>) {
     let moved = motion_since_base(points[contact.vertex], rest,
         state.slot * constants.handles, state.slot * constants.bones);
     var u = moved.displacement;
-    if (contact.carrier > 0u) {
-        let f = state.slot * constants.bones + contact.carrier - 1u;
+    if (contact.body > 0u) {
+        let f = state.slot * constants.bones + contact.body - 1u;
         u -= frames[f].rotation_increment * contact.anchor + frames[f].position_increment;
     }
     slips[state.slot * constants.contacts + id.x] = vec4(u, 0.0);

@@ -55,36 +55,36 @@ fn point_gradient(@builtin(global_invocation_id) id: vec3<u32>) {
 
 var<workgroup> sums: array<vec3<f32>, 64>;
 
-// Σ over the points of a block, and Σ f Jᵀe over its contacts' rows. One workgroup a block: lane l
-// takes every 64th term, then the lanes are summed in a fixed tree.
+// Σ over the points of a block, and Σ f Jᵀe over its contacts' rows. One workgroup a block: thread l
+// takes every 64th term, then the threads are summed in a fixed tree.
 @compute @workgroup_size(64)
 fn gradient(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
     let block = group.x;
     var sum = vec3<f32>();
     let first = group.y * constants.local_blocks;
-    for (var k = gather_rows[block] + lane; k < gather_rows[block + 1u]; k += 64u) {
+    for (var k = gather_rows[block] + thread; k < gather_rows[block + 1u]; k += 64u) {
         sum += point_gradients[first + gather_entries[k]];
     }
     let list = (group.y * constants.blocks + block) * (row_room() + 1u);
-    for (var k = lane; k < block_contacts[list]; k += 64u) {
+    for (var k = thread; k < block_contacts[list]; k += 64u) {
         let entry = block_contacts[list + 1u + k];
         let contact = contacts[contact_header(group.y) + 1u + entry / 256u];
         let at = group.y * row_room() + entry / 256u;
         let row = contact_rows[at * constants.contact_blocks + entry % 256u];
         sum += contact.force * row;
     }
-    sums[lane] = sum;
+    sums[thread] = sum;
     workgroupBarrier();
     for (var width = 32u; width > 0u; width /= 2u) {
-        if (lane < width) {
-            sums[lane] += sums[lane + width];
+        if (thread < width) {
+            sums[thread] += sums[thread + width];
         }
         workgroupBarrier();
     }
-    if (lane == 0u) {
+    if (thread == 0u) {
         let stride = 3u * constants.blocks + 9u * constants.pattern_blocks;
         let out = (chunk.first + group.y) * stride + 3u * block;
         result[out] = sums[0].x;

@@ -24,7 +24,7 @@ var<workgroup> local: array<vec4<f32>, MAX_BLOCKS>;
 @compute @workgroup_size(32)
 fn point_hessian(
     @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
     let i = group.x;
     let state = batch[chunk.first + group.y];
@@ -33,7 +33,7 @@ fn point_hessian(
     let rows = 2u * point.bones;
     let blocks = rows + point.handles;
 
-    for (var b = lane; b < blocks; b += 32u) {
+    for (var b = thread; b < blocks; b += 32u) {
         if (b >= rows) {
             let u = influences[point.first_influence + point.bones + b - rows].weight;
             local[b] = vec4(handle_gradients[point.first_gradient + b - rows].gradient, u);
@@ -53,7 +53,7 @@ fn point_hessian(
     let inertia = constants.density * point.measure * state.mass_rate;
     let blended = motion[at].blended;
     let first = group.y * constants.local_pairs + point.first_pair;
-    for (var b = lane; b < blocks; b += 32u) {
+    for (var b = thread; b < blocks; b += 32u) {
         let own = local[b];
         // (m/h²) J_b, and Y_i = w Σ_j C_ij ∇U_j
         var j = (inertia * own.w) * identity();

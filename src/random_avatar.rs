@@ -56,7 +56,7 @@ pub fn random_avatar(
         skin,
         triangles,
         attached: (0..ATTACHED).map(followed).collect(),
-        drawn: Vec::new(),
+        render_meshes: Vec::new(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 3e4,
             poissons_ratio: 0.45,

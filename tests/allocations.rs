@@ -60,7 +60,7 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
     let mut driver = Driver::new(&scene, &avatar)?;
     driver.start(&avatar, &mut simulation.instances_mut()[0]);
     let mut report = StepReport::default();
-    let (mut requests, mut rubbed) = ([0; STEPS], false);
+    let (mut requests, mut slid) = ([0; STEPS], false);
     in_pool(|| {
         pollster::block_on(async {
             for (step, count) in (1..).zip(&mut requests) {
@@ -69,12 +69,12 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
                 let before = REQUESTS.load(Ordering::Relaxed);
                 simulation.step_into(&mut report).await?;
                 *count = REQUESTS.load(Ordering::Relaxed) - before;
-                rubbed |= step as usize > WARM_UP && report.instances[0].energies.friction != 0.0;
+                slid |= step as usize > WARM_UP && report.instances[0].energies.friction != 0.0;
             }
             Ok::<_, supple::Error>(())
         })
     })?;
-    assert!(rubbed && !report.instances[0].loads.is_empty());
+    assert!(slid && !report.instances[0].loads.is_empty());
     assert!(requests[0] > 0, "the allocator does not count");
     assert_eq!(requests[WARM_UP..], [0; STEPS - WARM_UP], "{requests:?}");
     Ok(())

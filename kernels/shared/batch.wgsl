@@ -16,7 +16,7 @@ struct Constants {
     local_pairs: u32,     // Σ over cubature points of their own pairs of blocks
     colliders: u32,       // room for colliders, an instance
     contacts: u32,        // room for active contacts, a state
-    contact_blocks: u32,  // most blocks that move one skin vertex, and a carrier's two
+    contact_blocks: u32,  // most blocks that move one skin vertex, and a body's two
     point_groups: u32,    // partial energies of the cubature points, then
     vertex_groups: u32,   // those of the skin
     density: f32,         // ρ, kg/m³

@@ -2,13 +2,13 @@
 
 struct Collider {
     rotation: mat3x3<f32>,
-    position: vec3<f32>,         // relative to the instance's origin, or in the carrier's frame
+    position: vec3<f32>,         // relative to the instance's origin, or in the body's frame
     stiffness: f32,              // k, Pa/m
     parameters: vec4<f32>,       // sizes of the shape
     margin: f32,                 // d̂, m
     shape: u32,
     friction: f32,               // μ
-    carrier: u32,                // 1 + the frame that carries it, 0 where its motion is given
+    body: u32,                // 1 + the frame that carries it, 0 where its motion is given
     rotation_change: mat3x3<f32>,  // over the step, where its motion is given
     position_change: vec3<f32>,
 }
@@ -21,7 +21,7 @@ struct Contact {
     force: f32,             // f, N
     stiffness: f32,         // k, N/m
     vertex: u32,
-    carrier: u32,           // as a collider's
+    body: u32,           // as a collider's
 }
 
 // Room for rows in a state's list: the push of each contact, and friction's two.
@@ -30,9 +30,9 @@ fn row_room() -> u32 {
 }
 
 // A state's list of rows begins with an item that only counts: its `vertex` is how many contacts were
-// found, also where there was no room for them, its `carrier` how many rows there are.
-fn contact_header(lane: u32) -> u32 {
-    return lane * (row_room() + 1u);
+// found, also where there was no room for them, its `body` how many rows there are.
+fn contact_header(thread: u32) -> u32 {
+    return thread * (row_room() + 1u);
 }
 
 // Distances are kept as (n, δ), vertex after vertex, the colliders of one vertex in a row.

@@ -1,4 +1,4 @@
-// A workgroup lists items in order: each lane takes a run of them and counts what belongs on the list; the
+// A workgroup lists items in order: each thread takes a run of them and counts what belongs on the list; the
 // exclusive sum of the counts is where its part of the list begins.
 
 struct Run {
@@ -6,26 +6,26 @@ struct Run {
     end: u32,
 }
 
-// The run of `items` that a lane of `width` takes.
-fn run_of(lane: u32, width: u32, items: u32) -> Run {
+// The run of `items` that a thread of `width` takes.
+fn run_of(thread: u32, width: u32, items: u32) -> Run {
     let length = (items + width - 1u) / width;
-    return Run(min(lane * length, items), min((lane + 1u) * length, items));
+    return Run(min(thread * length, items), min((thread + 1u) * length, items));
 }
 
 var<workgroup> counts: array<u32, 256>;
 
-// The sum of the counts of lower lanes; `counts` ends as the inclusive sums.
-fn exclusive_sum(lane: u32, width: u32, count: u32) -> u32 {
-    counts[lane] = count;
+// The sum of the counts of lower threads; `counts` ends as the inclusive sums.
+fn exclusive_sum(thread: u32, width: u32, count: u32) -> u32 {
+    counts[thread] = count;
     workgroupBarrier();
     for (var step = 1u; step < width; step *= 2u) {
-        var sum = counts[lane];
-        if (lane >= step) {
-            sum += counts[lane - step];
+        var sum = counts[thread];
+        if (thread >= step) {
+            sum += counts[thread - step];
         }
         workgroupBarrier();
-        counts[lane] = sum;
+        counts[thread] = sum;
         workgroupBarrier();
     }
-    return counts[lane] - count;
+    return counts[thread] - count;
 }

@@ -5,10 +5,10 @@
 struct Lagged {
     anchor: vec3<f32>,  // a: where the vertex was in the frame that the collider is fixed to
     limit: f32,         // μ λ, N
-    normal: vec3<f32>,  // n in the carrier's axes; in the world's where the collider's motion is given
+    normal: vec3<f32>,  // n in the body's axes; in the world's where the collider's motion is given
     vertex: u32,
     start: vec3<f32>,   // u at qⁿ: −(ΔR a + Δc) of a collider whose motion is given
-    carrier: u32,       // as a collider's
+    body: u32,       // as a collider's
     collider: u32,
 }
 

@@ -157,7 +157,7 @@ fn bake_of(name: &str, source: &AvatarSource) -> supple::Result<Arc<Avatar>> {
             )
             .as_bytes(),
         );
-        h.add(format!("{:?}", avatar.skeleton.limits).as_bytes());
+        h.encoded(&avatar.skeleton.limits);
         avatar.skeleton.joints.iter().for_each(|j| h.vector(*j));
         (avatar
             .bone_masses
@@ -178,11 +178,11 @@ fn bake_of(name: &str, source: &AvatarSource) -> supple::Result<Arc<Avatar>> {
             .flatten()
             .for_each(|v| h.add(&v.to_le_bytes()));
         h.shares(&avatar.attached);
-        h.add(format!("{:?}", avatar.drawn).as_bytes());
+        h.encoded(&avatar.render_meshes);
     });
     part("tissue", &|h| {
-        h.add(format!("{:?}", avatar.material).as_bytes());
-        h.add(format!("{:?}", avatar.tissue).as_bytes());
+        h.encoded(&avatar.material);
+        h.encoded(&avatar.tissue);
         h.number(avatar.density);
         h.number(avatar.damping_time);
         h.add(&[u8::from(avatar.captured_under_gravity)]);
@@ -203,7 +203,7 @@ fn bake_of(name: &str, source: &AvatarSource) -> supple::Result<Arc<Avatar>> {
         }
         h.shares(&layer.basis);
         h.shares(&layer.skin_embedding);
-        h.add(format!("{:?}", layer.tissue).as_bytes());
+        h.encoded(&layer.tissue);
     });
     Ok(Arc::new(avatar))
 }
@@ -220,6 +220,11 @@ impl Hash {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
         }
+    }
+
+    /// A value as postcard has it: without names.
+    fn encoded(&mut self, value: &impl serde::Serialize) {
+        self.add(&postcard::to_allocvec(value).expect("plain data"));
     }
 
     fn number(&mut self, number: f64) {

@@ -1,7 +1,7 @@
 //! The handle basis against the modal basis and against no tissue.
 
 use super::skins::{COLLIDER, Look, Prop, Skin, skin_strip};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
@@ -51,49 +51,49 @@ struct Study {
     focus: Option<(DVec3, f64)>,
 }
 
-fn draw_hand(studio: &Studio) -> Result<Page> {
-    let scene = studio.scene(studio.pick("finger_press", "hand_press"))?;
+fn draw_hand(runner: &Runner) -> Result<Page> {
+    let scene = runner.scene(runner.pick("finger_press", "hand_press"))?;
     let study = Study {
-        times: studio.pick(vec![0.3, 0.7, 1.0], vec![0.5, 0.9, 1.1, 1.3, 1.5]),
-        points: studio.pick(vec![300, 600], vec![700, 2000]),
-        far: studio.pick(0.04, 0.06),
+        times: runner.pick(vec![0.3, 0.7, 1.0], vec![0.5, 0.9, 1.1, 1.3, 1.5]),
+        points: runner.pick(vec![300, 600], vec![700, 2000]),
+        far: runner.pick(0.04, 0.06),
         look: Look {
-            direction: studio.pick(scene.output.view, DVec3::new(0.25, 0.1, 1.0)),
+            direction: runner.pick(scene.output.view, DVec3::new(0.25, 0.1, 1.0)),
             up: DVec3::Z,
             focus: None,
             size: [420, 400],
             columns: 2,
-            draft: studio.small(),
+            draft: runner.small(),
         },
         focus: None,
         scene,
     };
-    compare(studio, &study)
+    compare(runner, &study)
 }
 
-fn draw_chest(studio: &Studio) -> Result<Page> {
-    let mut scene = studio.scene(studio.pick("finger_press", "chest_press"))?;
-    if studio.small() {
+fn draw_chest(runner: &Runner) -> Result<Page> {
+    let mut scene = runner.scene(runner.pick("finger_press", "chest_press"))?;
+    if runner.small() {
         // A ball in the cylinder's place: on the limb 40 handles reach everywhere.
         (scene.colliders.iter_mut()).for_each(|c| c.shape = Shape::Sphere { radius: 0.006 }.into());
     }
     let study = Study {
-        times: studio.pick(vec![0.3, 0.7, 1.0], vec![0.2, 0.6, 0.9, 1.2]),
-        points: studio.pick(vec![300], vec![500, 1400]),
-        far: studio.pick(0.04, 0.4),
+        times: runner.pick(vec![0.3, 0.7, 1.0], vec![0.2, 0.6, 0.9, 1.2]),
+        points: runner.pick(vec![300], vec![500, 1400]),
+        far: runner.pick(0.04, 0.4),
         look: Look {
             direction: scene.output.view,
             up: DVec3::Z,
             focus: None,
-            size: studio.pick([420, 300], [560, 420]),
+            size: runner.pick([420, 300], [560, 420]),
             columns: 2,
-            draft: studio.small(),
+            draft: runner.small(),
         },
         // The chest of the body as the scene places it.
-        focus: studio.pick(None, Some((DVec3::new(0.02, 0.0, 1.22), 0.3))),
+        focus: runner.pick(None, Some((DVec3::new(0.02, 0.0, 1.22), 0.3))),
         scene,
     };
-    compare(studio, &study)
+    compare(runner, &study)
 }
 
 /// A press in one space.
@@ -107,21 +107,21 @@ struct Outcome {
     min_det_f: f64,
 }
 
-fn compare(studio: &Studio, study: &Study) -> Result<Page> {
+fn compare(runner: &Runner, study: &Study) -> Result<Page> {
     let mut page = Page::new(
         "The same press in equilibrium: on the skeleton alone, with the handle basis, and with as many degrees of \
          freedom of the modal basis (linear modal analysis with fixed bones). Handles move the skin around them; \
          modes move all of it, so that what bulges at the contact moves places that nothing touches.",
     );
-    let avatar = with_points(studio, &study.scene, study.points[0])?;
+    let avatar = with_points(runner, &study.scene, study.points[0])?;
     let rigid = Arc::new(without_tissue(&avatar));
-    let no_tissue = play(studio, study, "no tissue", Space::Own(&rigid))?;
+    let no_tissue = play(runner, study, "no tissue", Space::Own(&rigid))?;
     let name = format!(
         "{} handles, {} points",
         avatar.handles.len(),
         avatar.cubature.len()
     );
-    let handles = play(studio, study, &name, Space::Own(&avatar))?;
+    let handles = play(runner, study, &name, Space::Own(&avatar))?;
     let count = 3 * avatar.handles.len();
     let watch = Stopwatch::start();
     let modes = modal(&avatar, count)?;
@@ -133,20 +133,20 @@ fn compare(studio: &Studio, study: &Study) -> Result<Page> {
     ));
     let mut outcomes = vec![no_tissue, handles];
     for &points in &study.points {
-        let avatar = with_points(studio, &study.scene, points)?;
+        let avatar = with_points(runner, &study.scene, points)?;
         let (places, nodes) = (
             modes.space.avatar().handles.clone(),
             modes.space.nodes().clone(),
         );
         let space = Subspace::new(&avatar, places, nodes)?;
         let name = format!("{count} modes, {} points", avatar.cubature.len());
-        outcomes.push(play(studio, study, &name, Space::Modal(&space))?);
+        outcomes.push(play(runner, study, &name, Space::Modal(&space))?);
     }
     report(study, &avatar, &outcomes, page)
 }
 
 /// The scene's avatar with so many cubature points.
-fn with_points(studio: &Studio, scene: &Scene, points: usize) -> Result<Arc<Avatar>> {
+fn with_points(runner: &Runner, scene: &Scene, points: usize) -> Result<Arc<Avatar>> {
     let mut scene = scene.clone();
     let Some(sample) = scene.avatar.sample else {
         return Err(Error::invalid("avatar", "this figure bakes samples only"));
@@ -157,7 +157,7 @@ fn with_points(studio: &Studio, scene: &Scene, points: usize) -> Result<Arc<Avat
     };
     recipe.cubature.points = Some(points);
     scene.avatar.bake = Some(recipe);
-    studio.avatar_of(&scene)
+    runner.avatar_of(&scene)
 }
 
 /// What a press is played in.
@@ -168,8 +168,8 @@ enum Space<'a> {
 }
 
 /// Presses in one space, and times steps there.
-fn play(studio: &Studio, study: &Study, name: &str, space: Space<'_>) -> Result<Outcome> {
-    studio.progress(&format!("{}, {name}", study.scene.name), 0, 1);
+fn play(runner: &Runner, study: &Study, name: &str, space: Space<'_>) -> Result<Outcome> {
+    runner.progress(&format!("{}, {name}", study.scene.name), 0, 1);
     let (settled, displacement, min_det_f) = match space {
         Space::Own(avatar) => {
             let potential = || CpuPotential::new(avatar.clone(), 1, avatar.skin.len());
@@ -187,7 +187,7 @@ fn play(studio: &Studio, study: &Study, name: &str, space: Space<'_>) -> Result<
             (settled, displacement, least)
         }
     };
-    studio.progress(&format!("{}, {name}", study.scene.name), 1, 1);
+    runner.progress(&format!("{}, {name}", study.scene.name), 1, 1);
     Ok(Outcome {
         name: name.into(),
         skin: settled.skin,

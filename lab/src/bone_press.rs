@@ -1,7 +1,7 @@
 //! The bone press benchmark: what a reduced model makes of a deep, narrow press, and what it costs.
 
 use super::press::{Pressed, limb_recipe, press, press_full_space, relative_error};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
@@ -52,7 +52,7 @@ const OTHERS: [[&str; 3]; 5] = [
 /// The sphere's way over the limb, to one and a half of its dents' radius: lowest and highest corner, m.
 const REGION: [[f64; 3]; 2] = [[0.06, -0.037, -0.002], [0.18, 0.037, 0.045]];
 
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "A sphere of 3 cm presses 12 mm into a soft limb around a bone, slides 4 cm along it and lets go. Error is \
          that of the skin's displacement at full press against the full space (every node free, solved to \
@@ -61,7 +61,7 @@ fn draw(studio: &Studio) -> Result<Page> {
          decide it.",
     );
     let mut lines = Vec::new();
-    let meshes: &[(&str, Limb, &[&str])] = studio.pick(
+    let meshes: &[(&str, Limb, &[&str])] = runner.pick(
         &[("S", Limb::S, &["bone_press_s"])],
         &[
             ("S", Limb::S, &["bone_press_s"]),
@@ -69,7 +69,7 @@ fn draw(studio: &Studio) -> Result<Page> {
         ],
     );
     for (name, limb, scenes) in meshes {
-        let mesh = Mesh::new(studio, name, *limb, scenes[0])?;
+        let mesh = Mesh::new(runner, name, *limb, scenes[0])?;
         lines.push(mesh.full_space_line());
         mesh.study(&mut page)?;
         for (k, scene) in scenes.iter().enumerate() {
@@ -100,7 +100,7 @@ fn draw(studio: &Studio) -> Result<Page> {
 
 /// A mesh with its truth.
 struct Mesh<'a> {
-    studio: &'a Studio,
+    runner: &'a Runner,
     name: &'a str,
     limb: Limb,
     /// In equilibrium, at [`DEPTHS`].
@@ -110,12 +110,12 @@ struct Mesh<'a> {
 }
 
 impl<'a> Mesh<'a> {
-    fn new(studio: &'a Studio, name: &'a str, limb: Limb, scene: &str) -> Result<Self> {
-        let mut scene = studio.scene(scene)?;
-        let avatar = studio.avatar_of(&scene)?;
+    fn new(runner: &'a Runner, name: &'a str, limb: Limb, scene: &str) -> Result<Self> {
+        let mut scene = runner.scene(scene)?;
+        let avatar = runner.avatar_of(&scene)?;
         let truth = press_full_space(&avatar, &DEPTHS)?;
         let mut played = None;
-        if !studio.small() {
+        if !runner.small() {
             scene.name = format!("bone_press_{}", name.to_lowercase());
             scene.steps = scene.step_at(scene.measure.full_press);
             scene.settings.solver = SolverMode::Converged {
@@ -124,10 +124,10 @@ impl<'a> Mesh<'a> {
             };
             scene.output.panels.truncate(2);
             scene.output.record_every = scene.steps;
-            played = Some(studio.play_full_space(&scene, &avatar)?.1);
+            played = Some(runner.play_full_space(&scene, &avatar)?.1);
         }
         Ok(Self {
-            studio,
+            runner,
             name,
             limb,
             truth,
@@ -159,7 +159,7 @@ impl<'a> Mesh<'a> {
     /// Error, force and time over the number of handles, in equilibrium.
     fn study(&self, page: &mut Page) -> Result<()> {
         let name = self.name;
-        let counts: &[usize] = self.studio.pick(&[40, 120][..], &[40, 82, 160, 320][..]);
+        let counts: &[usize] = self.runner.pick(&[40, 120][..], &[40, 82, 160, 320][..]);
         let axes = |y| Curves::new(&format!("Mesh {name}"), "handles", y);
         let mut errors = axes("error (%)");
         let mut times = axes("ms a step at full press").logarithmic();
@@ -269,16 +269,16 @@ impl<'a> Mesh<'a> {
 
     /// A committed scene, played: its line of the table. The accurate one's error is checked.
     fn committed(&self, page: &mut Page, scene: &str, accurate: bool) -> Result<Vec<String>> {
-        let mut scene = self.studio.scene(scene)?;
-        if self.studio.small() {
+        let mut scene = self.runner.scene(scene)?;
+        if self.runner.small() {
             scene.steps = scene.step_at(scene.measure.full_press);
             scene
                 .output
                 .panels
                 .retain(|p| p.time <= scene.measure.full_press);
         }
-        let avatar = self.studio.avatar_of(&scene)?;
-        let run = self.studio.play(&scene, &avatar)?;
+        let avatar = self.runner.avatar_of(&scene)?;
+        let run = self.runner.play(&scene, &avatar)?;
         let at_press = &run.recording.states[scene.step_at(scene.measure.full_press)];
         let displacement = skin_displacement(&avatar, at_press);
         let error = 100.0 * relative_error(&displacement, self.skin());
@@ -293,13 +293,13 @@ impl<'a> Mesh<'a> {
             "",
             Bound::AtLeast(0.05),
         );
-        if !self.studio.small() {
+        if !self.runner.small() {
             let residual = report.residual_displacement_mm;
             page.check(what("residual"), residual, "mm", Bound::AtMost(1e-3));
         }
         page.picture(
             &scene.name,
-            self.studio.strip(&scene, &avatar, &run),
+            self.runner.strip(&scene, &avatar, &run),
             format!(
                 "{}: {} handles, {error:.1} % error",
                 scene.name,
@@ -314,7 +314,7 @@ impl<'a> Mesh<'a> {
             format!("{:.2}", self.in_contact_ms(scene, &avatar)?),
             format!("{:.2}", report.contact_force_n),
             format!("{:.3}", report.min_det_f),
-            match self.studio.small() {
+            match self.runner.small() {
                 true => "–".into(),
                 false => format!("{:.5}", report.residual_displacement_mm),
             },
@@ -328,7 +328,7 @@ impl<'a> Mesh<'a> {
         }
         scene.output.panels.clear();
         scene.steps = scene.step_at(1.5);
-        let run = self.studio.play(&scene, avatar)?;
+        let run = self.runner.play(&scene, avatar)?;
         let timed = &run.steps[scene.step_at(0.25)..];
         Ok(median(timed.iter().map(|s| s.timings.step)))
     }

@@ -1,7 +1,7 @@
 //! Tissue pressed to 40 % of its thickness, of several materials; and what they answer to being pulled.
 
 use super::measure::volume_ratios;
-use super::{Bound, Figure, Page, Studio, uniaxial};
+use super::{Bound, Figure, Page, Runner, uniaxial};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use supple::Result;
@@ -25,14 +25,14 @@ pub const FIGURE: Figure = Figure {
 /// How far the plate presses, of the tissue's thickness.
 const COMPRESSION: f64 = 0.6;
 
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "A plate presses the tissue around a bone to 40 % of its thickness at 60 steps a second with one Newton \
          iteration a step, every node solved for: stable neo-Hookean tissue, orthotropic tissue, and one that saturates \
          early, clamped soon and late; all with ν = 0.45. Between plate and bone the tissue loses more volume than a bar \
          whose sides are free, and less than one whose sides are held.",
     );
-    press(studio, &mut page)?;
+    press(runner, &mut page)?;
     pull(&mut page);
     clamp(&mut page);
     Ok(page)
@@ -64,9 +64,9 @@ fn materials() -> Vec<(String, Material)> {
     ]
 }
 
-fn press(studio: &Studio, page: &mut Page) -> Result<()> {
-    let scene = studio.scene("compression")?;
-    let limb = studio.pick(
+fn press(runner: &Runner, page: &mut Page) -> Result<()> {
+    let scene = runner.scene("compression")?;
+    let limb = runner.pick(
         Limb {
             length: 0.08,
             stations: 8,
@@ -90,10 +90,10 @@ fn press(studio: &Studio, page: &mut Page) -> Result<()> {
             material,
             ..avatar.clone()
         });
-        let (avatar, run) = studio.play_full_space(&scene, &avatar)?;
+        let (avatar, run) = runner.play_full_space(&scene, &avatar)?;
         let pressed = state_at(&scene, &run, scene.measure.full_press);
         panels.push(Panel {
-            image: picture(studio, &scene, &run, &avatar, pressed),
+            image: picture(runner, &scene, &run, &avatar, pressed),
             caption: name.clone(),
         });
         let report = &run.report;
@@ -151,7 +151,7 @@ fn press(studio: &Studio, page: &mut Page) -> Result<()> {
     };
     page.picture(
         "pressed",
-        studio.sheet(panels, 2, Some(legend)),
+        runner.sheet(panels, 2, Some(legend)),
         "The layer under the plate, seen along the bone; coloured by det F.",
     );
     page.table(
@@ -176,7 +176,7 @@ fn volume_scale() -> ColourScale {
 
 /// The layer's mesh under the plate, seen along the bone.
 fn picture(
-    studio: &Studio,
+    runner: &Runner,
     scene: &Scene,
     run: &SceneRun,
     avatar: &Avatar,
@@ -213,7 +213,7 @@ fn picture(
     let radius = 0.05;
     let near = DVec3::new(0.0, 0.0, -0.008);
     let camera = Camera::near(near, radius, DVec3::new(1.0, 0.0, 0.0), DVec3::Z, 1.4);
-    studio.picture(&[tissue, plate], camera, [980, 700])
+    runner.picture(&[tissue, plate], camera, [980, 700])
 }
 
 /// The recorded state at `time`.

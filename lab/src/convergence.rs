@@ -1,6 +1,6 @@
 //! How Newton's method converges.
 
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use std::sync::Arc;
@@ -36,7 +36,7 @@ const ENERGY_RESOLUTION: f64 = 1e-8;
 
 /// One step of the pressed finger, minimised by three potentials from the same start, each with 1, 2, 3, …
 /// iterations: how far from the minimum it ends.
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "One step of 1/30 s, a finger on its way into a cylinder: distance of the iterate from the minimum. With \
          the exact Hessian (all second derivatives, f64) Newton's method converges quadratically once it knows \
@@ -45,10 +45,10 @@ fn draw(studio: &Studio) -> Result<Page> {
          contact are a setting. On a GPU \
          the forces are of f32: it ends where a step changes the energy by less than f32 resolves.",
     );
-    let mut scene = studio.scene("finger_press")?;
+    let mut scene = runner.scene("finger_press")?;
     scene.settings.time_step = TIME_STEP;
     scene.settings.solver = SolverMode::CONVERGED;
-    let avatar = studio.avatar_of(&scene)?;
+    let avatar = runner.avatar_of(&scene)?;
     let start = before_the_step(&scene, &avatar)?;
 
     let reference = || CpuPotential::new(avatar.clone(), 1, avatar.skin.len());

@@ -1,7 +1,7 @@
 //! How many cubature points are enough, and where they should stand.
 
 use super::press::{Pressed, limb_recipe, press, press_full_space};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use std::sync::Arc;
 use supple::Result;
 use supple::internal::cpu::min_det_f;
@@ -47,7 +47,7 @@ struct Sampled {
 }
 
 /// The same press in one basis, with ever more points, placed in three ways, in two or three tissues.
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "The bone press on mesh S, 8 mm deep, with the same handles throughout: what differs is which tets the tissue's \
          energy is summed over. Error is that of the skin's displacement against the sum over all tets, relative, L2. \
@@ -73,10 +73,10 @@ fn draw(studio: &Studio) -> Result<Page> {
         ("saturating, clamped at Q = 1", Some(saturating(1.0))),
         ("saturating, not clamped", Some(saturating(30.0))),
     ];
-    let numbers: &[f64] = studio.pick(&[3.0, 10.0], &[2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0]);
+    let numbers: &[f64] = runner.pick(&[3.0, 10.0], &[2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0]);
     let mut forces = Vec::new();
     for (tissue, material) in tissues {
-        let handles = studio.pick(30, 60);
+        let handles = runner.pick(30, 60);
         let whole = recipe(handles, material, None);
         let full = press_full_space(&bake(&Limb::S.body()?, &whole, &mut |_| {})?.0, &DEPTHS)?;
         let (whole, whole_det) = pressed(&whole)?;

@@ -1,7 +1,7 @@
 //! Ripples of a palm over fine cylinders.
 
 use super::spectrum::{Sample, between, peak, spectrum};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use supple::Result;
 use supple::internal::cpu::skin_displacement;
@@ -27,9 +27,9 @@ struct Strip {
 
 /// Presses the skin onto cylinders of equal spacing along x and slides it by half of that: the displacement has
 /// ripples of that spacing, which stay with the cylinders.
-fn draw(studio: &Studio) -> Result<Page> {
-    let scene = studio.scene(studio.pick("limb_cylinders", "palm_cylinders"))?;
-    let strip = match studio.small() {
+fn draw(runner: &Runner) -> Result<Page> {
+    let scene = runner.scene(runner.pick("limb_cylinders", "palm_cylinders"))?;
+    let strip = match runner.small() {
         true => Strip {
             low: DVec3::new(0.02, -0.012, 0.02),
             high: DVec3::new(0.23, 0.012, 0.05),
@@ -41,8 +41,8 @@ fn draw(studio: &Studio) -> Result<Page> {
             inward: DVec3::Z,
         },
     };
-    let avatar = studio.avatar_of(&scene)?;
-    let run = studio.play(&scene, &avatar)?;
+    let avatar = runner.avatar_of(&scene)?;
+    let run = runner.play(&scene, &avatar)?;
     let places: Vec<f64> = (scene.colliders.iter())
         .map(|c| c.motion.at(0.0).position.x)
         .collect();
@@ -56,7 +56,7 @@ fn draw(studio: &Studio) -> Result<Page> {
     ));
     page.picture(
         "cylinders",
-        studio.strip(&scene, &avatar, &run),
+        runner.strip(&scene, &avatar, &run),
         "pressed, and after the slide",
     );
     let moments = [

@@ -2,7 +2,7 @@
 
 use super::press::{self, Pressed, limb_recipe, press_full_space, press_with};
 use super::skins::{Look, Skin, skin_strip};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
@@ -139,8 +139,8 @@ fn ms_a_step<B: Basis>(avatar: &Avatar, potential: CpuPotential<B>, depth: f64) 
 }
 
 /// The limb with a handle at every skin vertex around the contact.
-fn source(studio: &Studio, truncation: Truncation) -> AvatarSource {
-    let spread = studio.pick(0.035, 0.055);
+fn source(runner: &Runner, truncation: Truncation) -> AvatarSource {
+    let spread = runner.pick(0.035, 0.055);
     let recipe = Recipe {
         handles: vec![HandleRegion {
             within: Some([[0.1 - spread, -0.045, -0.005], [0.1 + spread, 0.045, 0.045]]),
@@ -165,8 +165,8 @@ struct Outcome {
     min_det_f: f64,
 }
 
-fn draw(studio: &Studio) -> Result<Page> {
-    let depths = studio.pick(&[0.0, 0.004, 0.008][..], &[0.0, 0.006, 0.012]);
+fn draw(runner: &Runner) -> Result<Page> {
+    let depths = runner.pick(&[0.0, 0.004, 0.008][..], &[0.0, 0.006, 0.012]);
     let deepest = depths[depths.len() - 1];
     let mut page = Page::new(
         "A handle's column tells how far each point follows it. The biharmonic one is smooth everywhere; it knows \
@@ -180,8 +180,8 @@ fn draw(studio: &Studio) -> Result<Page> {
     let mut outcomes: Vec<Outcome> = Vec::new();
     let mut rows = Vec::new();
     for truncation in [Truncation::OFF, Truncation::default()] {
-        let sampled = studio.avatar(&source(studio, truncation))?;
-        let whole = match studio.small() {
+        let sampled = runner.avatar(&source(runner, truncation))?;
+        let whole = match runner.small() {
             true => sampled.clone(),
             false => Arc::new(all_tets(&sampled)?),
         };
@@ -195,7 +195,7 @@ fn draw(studio: &Studio) -> Result<Page> {
             Extension::Elastic(Truncation::OFF),
         ];
         if truncation.enabled {
-            let depths = studio.pick(&DEPTH_TRUNCATIONS[..1], &DEPTH_TRUNCATIONS);
+            let depths = runner.pick(&DEPTH_TRUNCATIONS[..1], &DEPTH_TRUNCATIONS);
             extensions.extend(depths.iter().map(|depth| Extension::Elastic(*depth)));
         }
         for extension in extensions {
@@ -204,7 +204,7 @@ fn draw(studio: &Studio) -> Result<Page> {
             let made = watch.ms();
             let with_cubature = space.press(depths)?;
             let (entries, ms) = (space.entries(), space.ms_a_step(deepest)?);
-            let (pressed, min_det_f) = match studio.small() {
+            let (pressed, min_det_f) = match runner.small() {
                 true => {
                     let least = space.min_det_f(&with_cubature.state)?;
                     (with_cubature.clone(), least)
@@ -235,11 +235,11 @@ fn draw(studio: &Studio) -> Result<Page> {
                 error,
                 min_det_f,
             });
-            studio.progress("elastic extension", outcomes.len(), studio.pick(7, 9));
+            runner.progress("elastic extension", outcomes.len(), runner.pick(7, 9));
         }
     }
     let Some(truth) = truth else { return Ok(page) };
-    let avatar = studio.avatar(&source(studio, Truncation::OFF))?;
+    let avatar = runner.avatar(&source(runner, Truncation::OFF))?;
     page.text(format!(
         "{} handles, {} cubature points and {} tets; the full-space solution pushes back with {:.2} N at {:.0} mm.",
         avatar.handles.len(),
@@ -264,14 +264,14 @@ fn draw(studio: &Studio) -> Result<Page> {
         ],
         rows,
     );
-    pictures(studio, &avatar, &truth, &outcomes, &mut page);
-    check(studio, &outcomes, &mut page);
+    pictures(runner, &avatar, &truth, &outcomes, &mut page);
+    check(runner, &outcomes, &mut page);
     Ok(page)
 }
 
 /// The dents, and where each is off.
 fn pictures(
-    studio: &Studio,
+    runner: &Runner,
     avatar: &Avatar,
     truth: &Pressed,
     outcomes: &[Outcome],
@@ -295,7 +295,7 @@ fn pictures(
         focus: Some((DVec3::new(0.1, 0.0, 0.022), 0.062)),
         size: [420, 340],
         columns: 2,
-        draft: studio.small(),
+        draft: runner.small(),
     };
     let skin = |name: &str, pressed: &Pressed, values: Vec<f64>| Skin {
         caption: name.into(),
@@ -338,7 +338,7 @@ fn pictures(
     );
 }
 
-fn check(studio: &Studio, outcomes: &[Outcome], page: &mut Page) {
+fn check(runner: &Runner, outcomes: &[Outcome], page: &mut Page) {
     let error = |extension: Extension, truncated: bool| {
         let found = outcomes
             .iter()
@@ -354,7 +354,7 @@ fn check(studio: &Studio, outcomes: &[Outcome], page: &mut Page) {
         };
         let [own, harmonic, elastic] = [Extension::Biharmonic, Extension::Harmonic, elastic]
             .map(|extension| error(extension, truncated));
-        let most = studio.pick(40.0, if truncated { 15.0 } else { 12.0 });
+        let most = runner.pick(40.0, if truncated { 15.0 } else { 12.0 });
         let what = format!("error of the elastic extension, {told}");
         page.check(what, elastic, "%", Bound::AtMost(most));
         let what = format!("elastic error by biharmonic error, {told}");
@@ -362,14 +362,14 @@ fn check(studio: &Studio, outcomes: &[Outcome], page: &mut Page) {
             what,
             elastic / own,
             "",
-            Bound::AtMost(studio.pick(0.9, 0.6)),
+            Bound::AtMost(runner.pick(0.9, 0.6)),
         );
         let what = format!("elastic error by harmonic error, {told}");
         page.check(
             what,
             elastic / harmonic,
             "",
-            Bound::AtMost(studio.pick(0.9, 0.8)),
+            Bound::AtMost(runner.pick(0.9, 0.8)),
         );
     }
     let least = outcomes

@@ -1,6 +1,6 @@
 //! A finger sliding both ways along a cylinder.
 
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use supple::Result;
 use supple::collider::Collider;
@@ -24,10 +24,10 @@ const REACH: f64 = 0.015;
 /// Draws a finger along a rough cylinder, first towards its tip, then back. I₁ of the skin's right Cauchy–Green
 /// tensor tells stretched skin (above 2) from compressed: ahead of the contact, which friction holds back, skin is
 /// stretched, behind it compressed, and the two sides swap with the direction.
-fn draw(studio: &Studio) -> Result<Page> {
-    let scene = studio.scene("finger_slide")?;
-    let avatar = studio.avatar_of(&scene)?;
-    let run = studio.play(&scene, &avatar)?;
+fn draw(runner: &Runner) -> Result<Page> {
+    let scene = runner.scene("finger_slide")?;
+    let avatar = runner.avatar_of(&scene)?;
+    let run = runner.play(&scene, &avatar)?;
     let states = &run.recording.states;
     let mut page = Page::new(
         "A finger is laid on a rough cylinder and drawn along it, towards its tip and back. Friction holds the skin \
@@ -37,7 +37,7 @@ fn draw(studio: &Studio) -> Result<Page> {
     );
     page.picture(
         "finger",
-        studio.strip(&scene, &avatar, &run),
+        runner.strip(&scene, &avatar, &run),
         "pressed, and sliding forth and back",
     );
     let moments = [("forth", forth(&scene)), ("back", back(&scene))];
@@ -53,7 +53,7 @@ fn draw(studio: &Studio) -> Result<Page> {
         let points = &mesh.surface.positions;
         let camera = Camera::framing(points, from, DVec3::Y, aspect);
         Panel {
-            image: studio.picture(&[mesh], camera, size),
+            image: runner.picture(&[mesh], camera, size),
             caption: format!("sliding {name}"),
         }
     });
@@ -63,7 +63,7 @@ fn draw(studio: &Studio) -> Result<Page> {
     };
     page.picture(
         "invariant",
-        studio.sheet(panels.collect(), 2, Some(legend)),
+        runner.sheet(panels.collect(), 2, Some(legend)),
         "first invariant of the skin's right Cauchy–Green tensor, on the unposed shape, seen from below; the tip is to the left",
     );
 

@@ -1,7 +1,7 @@
 //! Figures run one after the other, and the page about them.
 
 use super::html::index;
-use super::{Block, Check, Figure, Page, Studio, Table};
+use super::{Block, Check, Figure, Page, Runner, Table};
 use serde::Serialize;
 use std::path::Path;
 use supple::internal::math::Stopwatch;
@@ -54,7 +54,7 @@ impl Summary {
     }
 }
 
-/// Draws `figures` with `studio` and writes `index.html` with its pictures, and `figures.json`, into `folder`.
+/// Draws `figures` with `runner` and writes `index.html` with its pictures, and `figures.json`, into `folder`.
 /// Both are written anew after every figure, which `done` then hears about: what is cut off leaves the page of
 /// what was drawn. A figure that fails is said to have failed, and the others are drawn.
 ///
@@ -62,20 +62,20 @@ impl Summary {
 /// [`Error::Io`] of the folder.
 pub fn write_gallery(
     figures: &[&Figure],
-    studio: &Studio,
+    runner: &Runner,
     folder: &Path,
     done: &mut dyn FnMut(&Verdict),
 ) -> Result<Summary> {
     make_folder(folder)?;
     let mut summary = Summary {
-        size: studio.pick("small", "full"),
+        size: runner.pick("small", "full"),
         machine: machine(),
         figures: Vec::new(),
     };
     let mut pages = Vec::new();
     for figure in figures {
         let watch = Stopwatch::start();
-        let drawn = (figure.draw)(studio);
+        let drawn = (figure.draw)(runner);
         let (page, error) = match drawn {
             Ok(page) => (page, None),
             Err(e) => (Page::default(), Some(e.to_string())),
@@ -141,11 +141,11 @@ fn machine() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{check::Bound, studio::Size};
+    use crate::{check::Bound, runner::Size};
     use supple_pictures::Curves;
     use supple_pictures::Image;
 
-    fn good(_: &Studio) -> Result<Page> {
+    fn good(_: &Runner) -> Result<Page> {
         let mut page = Page::new("a < b");
         page.picture("grey", Image::new(8, 4, [0.5; 3]), "\"grey\"");
         page.table("sizes", &["n", "mm"], vec![vec!["1".into(), "2".into()]]);
@@ -155,7 +155,7 @@ mod tests {
         Ok(page)
     }
 
-    fn broken(_: &Studio) -> Result<Page> {
+    fn broken(_: &Runner) -> Result<Page> {
         Err(Error::invalid("scene", "is not there"))
     }
 
@@ -170,9 +170,9 @@ mod tests {
         };
         let (broken, good) = (figure("broken", broken), figure("good", good));
         let folder = tempfile::tempdir().unwrap();
-        let studio = Studio::new(Size::Small, "", "", |_| {});
+        let runner = Runner::new(Size::Small, "", "", |_| {});
         let mut seen = Vec::new();
-        let summary = write_gallery(&[&broken, &good], &studio, folder.path(), &mut |v| {
+        let summary = write_gallery(&[&broken, &good], &runner, folder.path(), &mut |v| {
             seen.push((v.name, v.holds()));
         })
         .unwrap();

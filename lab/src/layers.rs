@@ -1,6 +1,6 @@
 //! The soft layers' tet meshes, cut open.
 
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use supple::Result;
@@ -33,7 +33,7 @@ struct Cut {
 }
 
 /// Cuts the layers open, bones seen.
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "The volume between bones and skin, as tets: what faces outward has the colour of skin, what the cut lays \
          bare that of flesh, and what bones hold is ivory. The hand's layer is a lattice around its bones, whose \
@@ -41,7 +41,7 @@ fn draw(studio: &Studio) -> Result<Page> {
          under its skin, each cut into three tets.",
     );
     let mut rows = Vec::new();
-    if studio.small() {
+    if runner.small() {
         let cut = Cut {
             caption: "finger, cut along its middle",
             point: DVec3::ZERO,
@@ -52,7 +52,7 @@ fn draw(studio: &Studio) -> Result<Page> {
             near: None,
         };
         layer(
-            studio,
+            runner,
             Sample::Finger,
             Vec::new(),
             &[cut],
@@ -62,7 +62,7 @@ fn draw(studio: &Studio) -> Result<Page> {
     } else {
         let bones = Sample::Hand.body()?.0.bone_surfaces;
         layer(
-            studio,
+            runner,
             Sample::Hand,
             bones,
             &hand_cuts(),
@@ -70,7 +70,7 @@ fn draw(studio: &Studio) -> Result<Page> {
             &mut rows,
         )?;
         layer(
-            studio,
+            runner,
             Sample::Body,
             Vec::new(),
             &body_cuts(),
@@ -142,14 +142,14 @@ fn body_cuts() -> [Cut; 2] {
 
 /// Draws, tells and checks the layer of `sample`.
 fn layer(
-    studio: &Studio,
+    runner: &Runner,
     sample: Sample,
     bones: Vec<Surface>,
     cuts: &[Cut],
     page: &mut Page,
     rows: &mut Vec<Vec<String>>,
 ) -> Result<()> {
-    let avatar = studio.sample(sample)?;
+    let avatar = runner.sample(sample)?;
     let panels = cuts.iter().map(|cut| {
         let plane = Plane {
             point: cut.point,
@@ -171,12 +171,12 @@ fn layer(
             None => Camera::framing(&framed, cut.view, cut.up, 1.0),
         };
         Panel {
-            image: studio.picture(&meshes, camera, SIZE),
+            image: runner.picture(&meshes, camera, SIZE),
             caption: cut.caption.into(),
         }
     });
     let name = &avatar.name;
-    let sheet = studio.sheet(panels.collect(), 0, None);
+    let sheet = runner.sheet(panels.collect(), 0, None);
     page.picture(name, sheet, format!("soft layer of the {name}, cut open"));
 
     let quality = MeshQuality::of(&avatar.layer.mesh);

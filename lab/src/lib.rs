@@ -1,7 +1,7 @@
 //! The figures of the paper as scenes that are run, drawn and checked.
 //!
 //! A [`Figure`] draws itself on a [`Page`]: text, pictures, tables, curves, and [`Check`]s of its physics, each a
-//! measured value with its bound. A [`Studio`] runs what it asks for. At [`Size::Small`] a figure takes seconds
+//! measured value with its bound. A [`Runner`] runs what it asks for. At [`Size::Small`] a figure takes seconds
 //! and is a test (`cargo test -p supple-lab`); at [`Size::Full`] it is an entry of the gallery that
 //! [`write_gallery`] makes (`supple figures`). Both run the same code, so no number in the gallery is typed in.
 //!
@@ -28,12 +28,12 @@ pub mod press;
 mod ragdolls;
 mod reduced_full;
 mod rigid_soft;
+mod runner;
 mod skins;
 mod spectrum;
 mod spin;
 mod stability;
 mod static_poses;
-mod studio;
 mod table_1;
 mod uniaxial;
 mod walk;
@@ -41,7 +41,7 @@ mod walk;
 pub use check::{Bound, Check};
 pub use gallery::{Summary, Verdict, write_gallery};
 pub use page::{Block, Page, Table};
-pub use studio::{Progress, Size, Studio};
+pub use runner::{Progress, Runner, Size};
 
 use supple::Result;
 
@@ -55,7 +55,7 @@ pub struct Figure {
     /// Which figure, table or section of the paper it stands for; empty where it goes beyond.
     pub paper: &'static str,
     /// Runs, draws and checks it.
-    pub draw: fn(&Studio) -> Result<Page>,
+    pub draw: fn(&Runner) -> Result<Page>,
 }
 
 /// Every figure, in the paper's order.

@@ -1,6 +1,6 @@
 //! A hand that lifts a dynamic object.
 
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use supple::Result;
 use supple::model::{Avatar, State};
@@ -26,8 +26,8 @@ const GONE: f64 = -100.0;
 
 /// Fingers and thumb close around a tube from poses that come in as a stream, the hand lifts it, and friction holds it,
 /// also where there is less of it; without friction it slips through.
-fn draw(studio: &Studio) -> Result<Page> {
-    let scene = studio.scene("lift")?;
+fn draw(runner: &Runner) -> Result<Page> {
+    let scene = runner.scene("lift")?;
     let friction = scene.bodies[0].friction;
     let mut page = Page::new(format!(
         "A hand closes around a dynamic tube and lifts it off the table, with one Newton iteration a step. The poses \
@@ -39,12 +39,12 @@ fn draw(studio: &Studio) -> Result<Page> {
     for (k, friction) in [friction, LESS, 0.0].into_iter().enumerate() {
         let mut scene = scene.clone();
         scene.bodies.iter_mut().for_each(|b| b.friction = friction);
-        let avatar = studio.avatar_of(&scene)?;
-        let run = studio.play(&scene, &avatar)?;
+        let avatar = runner.avatar_of(&scene)?;
+        let run = runner.play(&scene, &avatar)?;
         if k == 0 {
             page.picture(
                 "lift",
-                studio.strip(&scene, &avatar, &run),
+                runner.strip(&scene, &avatar, &run),
                 "standing, grasped, lifted, and after two seconds in the air",
             );
         }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use supple::{Error, Result};
 use supple_cli::terminal::{bar, exit, print, print_json};
-use supple_lab::{FIGURES, Figure, Progress, Size, Studio, Verdict, write_gallery};
+use supple_lab::{FIGURES, Figure, Progress, Runner, Size, Verdict, write_gallery};
 use supple_scene::unpack_scenes;
 
 /// Run the figures of the paper, and write a page with their pictures, measures and checks.
@@ -58,13 +58,13 @@ impl Arguments {
             Some(folder) => folder.clone(),
             None => unpack_scenes(&self.cache)?,
         };
-        let studio = Studio::new(size, scenes, &self.cache, show);
+        let runner = Runner::new(size, scenes, &self.cache, show);
         let mut tell = |verdict: &Verdict| {
             if !self.json {
                 print_verdict(verdict);
             }
         };
-        let summary = write_gallery(&figures, &studio, &self.output, &mut tell)?;
+        let summary = write_gallery(&figures, &runner, &self.output, &mut tell)?;
         let (held, all) = summary.checks();
         if self.json {
             print_json(&summary)?;

@@ -2,7 +2,7 @@
 
 use super::press::{Pressed, press_along};
 use super::skins::{HANDLE, Look, Prop, Skin, skin_strip};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 use supple::Result;
@@ -55,11 +55,11 @@ struct Prick {
     error: f64,
 }
 
-fn draw(studio: &Studio) -> Result<Page> {
-    let avatar = Arc::new(finger(studio)?);
+fn draw(runner: &Runner) -> Result<Page> {
+    let avatar = Arc::new(finger(runner)?);
     let space = Arc::new(full_space(&avatar)?);
     let mut pricks = Vec::new();
-    let places = places(&avatar, studio.pick(4, 8));
+    let places = places(&avatar, runner.pick(4, 8));
     for (k, &(vertex, distance)) in places.iter().enumerate() {
         let x = avatar.skin.position[vertex];
         let inward = -normals(&avatar)[vertex];
@@ -80,14 +80,14 @@ fn draw(studio: &Studio) -> Result<Page> {
             truth,
             reduced,
         });
-        studio.progress("pin press", k + 1, places.len());
+        runner.progress("pin press", k + 1, places.len());
     }
-    page(studio, &avatar, &pricks)
+    page(runner, &avatar, &pricks)
 }
 
 /// The finger: many handles in one part of its pad, few everywhere else.
-fn finger(studio: &Studio) -> Result<Avatar> {
-    let finger = studio.pick(
+fn finger(runner: &Runner) -> Result<Avatar> {
+    let finger = runner.pick(
         Finger::default(),
         Finger {
             edge_length: 0.0016,
@@ -154,7 +154,7 @@ fn places(avatar: &Avatar, count: usize) -> Vec<(usize, f64)> {
     (0..count).filter_map(closest).copied().collect()
 }
 
-fn page(studio: &Studio, avatar: &Avatar, pricks: &[Prick]) -> Result<Page> {
+fn page(runner: &Runner, avatar: &Avatar, pricks: &[Prick]) -> Result<Page> {
     let mut page = Page::new(format!(
         "A blunt pin of 6 mm is pressed {:.1} mm into the pad of a finger, along the normal of the skin, bones held, in \
          equilibrium: first in the middle of a patch where handles stand {:.0} mm apart, then ever farther from the nearest \
@@ -186,7 +186,7 @@ fn page(studio: &Studio, avatar: &Avatar, pricks: &[Prick]) -> Result<Page> {
         .dots("full space", curve(|p| p.truth.force())),
     );
     if let (Some(near), Some(far)) = (pricks.first(), pricks.last()) {
-        let image = picture(studio, avatar, [near, far]);
+        let image = picture(runner, avatar, [near, far]);
         let caption = "the pad from below, handles on the skin in black, the pin not drawn: pressed at a handle, and far \
                        from any";
         page.picture("pins", image, caption);
@@ -225,7 +225,7 @@ fn rank_correlation(pricks: &[Prick]) -> f64 {
     1.0 - 6.0 * squares / (n * (n * n - 1.0))
 }
 
-fn picture(studio: &Studio, avatar: &Avatar, pricks: [&Prick; 2]) -> supple_pictures::Image {
+fn picture(runner: &Runner, avatar: &Avatar, pricks: [&Prick; 2]) -> supple_pictures::Image {
     let dot = Shape::Sphere { radius: 0.0004 };
     let skin = |caption: String, pressed: &Pressed| {
         let moved = |at: &DVec3| {
@@ -268,7 +268,7 @@ fn picture(studio: &Studio, avatar: &Avatar, pricks: [&Prick; 2]) -> supple_pict
         focus: Some((DVec3::new(0.072, 0.0, -0.006), 0.016)),
         size: [420, 340],
         columns: 2,
-        draft: studio.small(),
+        draft: runner.small(),
     };
     let scale = ColourScale::of(skins.iter().flat_map(|s| s.values.clone()));
     skin_strip(avatar, &skins, look, "displacement (mm)", scale)

@@ -1,7 +1,7 @@
 //! Two bodies of different shape that hang limply and are pushed.
 
 use super::measure::longest;
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use std::sync::Arc;
 use supple::Result;
 use supple::internal::cpu::mechanics;
@@ -31,8 +31,8 @@ struct Ragdoll {
 
 /// A body of the default shape and a stout one hang by their wrists; a bar pushes both alike and leaves. Joints and their
 /// limits hold them together, their shapes make them swing differently, and nothing makes energy.
-fn draw(studio: &Studio) -> Result<Page> {
-    let mut scene = studio.scene("ragdolls")?;
+fn draw(runner: &Runner) -> Result<Page> {
+    let mut scene = runner.scene("ragdolls")?;
     let mut page = Page::new(
         "Two bodies of different shape hang by their wrists, limp but for a little bending stiffness and the ranges of \
          their joints. A bar pushes both alike and is withdrawn.",
@@ -41,14 +41,14 @@ fn draw(studio: &Studio) -> Result<Page> {
     let mut dolls = Vec::new();
     for (name, betas) in [("default", vec![]), ("stout", stout)] {
         scene.avatar.betas = betas;
-        dolls.push(play(studio, &scene, name)?);
+        dolls.push(play(runner, &scene, name)?);
     }
     // One scale for both.
     let snapshots = dolls.iter().flat_map(|d| &d.run.snapshots);
     let largest = longest(snapshots.flat_map(|s| s.displacement.iter().copied()));
     scene.output.legend_mm = Some(1e3 * largest);
     for doll in &dolls {
-        let strip = studio.strip(&scene, &doll.avatar, &doll.run);
+        let strip = runner.strip(&scene, &doll.avatar, &doll.run);
         page.picture(doll.name, strip, format!("the {} body", doll.name));
     }
     let mut swings = Curves::new("Pelvis, away from the bar", "time (s)", "way (mm)");
@@ -66,9 +66,9 @@ fn draw(studio: &Studio) -> Result<Page> {
 }
 
 /// Plays the scene with the body that it has now.
-fn play(studio: &Studio, scene: &Scene, name: &'static str) -> Result<Ragdoll> {
-    let avatar = studio.avatar_of(scene)?;
-    let run = studio.play(scene, &avatar)?;
+fn play(runner: &Runner, scene: &Scene, name: &'static str) -> Result<Ragdoll> {
+    let avatar = runner.avatar_of(scene)?;
+    let run = runner.play(scene, &avatar)?;
     let (times, states) = (&run.recording.times, &run.recording.states);
     let pelvis = |s: &State| 1e3 * (s.frames[0].position - states[0].frames[0].position).y;
     let swing = times.iter().zip(states).map(|(t, s)| (*t, pelvis(s)));

@@ -2,7 +2,7 @@
 
 use super::measure::volume_ratios;
 use super::press::relative_error;
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
@@ -117,7 +117,7 @@ const LITTLE: Truncation = Truncation {
 const ACCEPTED: f64 = 25.0;
 
 /// The same press in the full space and in three reduced ones.
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "The same press with every node of the soft layer free, and with ever fewer handles: in the tissue about the \
          contact, on the skin and under it, and a few on the skin everywhere else. A handle basis can only follow what is as \
@@ -127,14 +127,14 @@ fn draw(studio: &Studio) -> Result<Page> {
          twice as wide as in its scene. Inverted is the part of the tissue's volume in tets that are turned inside out: with \
          every node free, splinters that the skin cuts off the hand's lattice may be, with next to no tissue in them.",
     );
-    for press in studio.pick(SMALL, FULL) {
-        compare(studio, press, &mut page)?;
+    for press in runner.pick(SMALL, FULL) {
+        compare(runner, press, &mut page)?;
     }
     Ok(page)
 }
 
-fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
-    let mut scene = studio.scene(press.scene)?;
+fn compare(runner: &Runner, press: &Press, page: &mut Page) -> Result<()> {
+    let mut scene = runner.scene(press.scene)?;
     (press.otherwise)(&mut scene);
     scene.settings.time_step = press.time_step;
     scene.settings.solver = SolverMode::Converged {
@@ -150,8 +150,8 @@ fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
         (panel.view, panel.focus) = (Some(press.view), Some(press.focus));
         panel.colliders = false;
     }
-    let own = studio.avatar_of(&scene)?;
-    let (full_avatar, full) = studio.play_full_space(&scene, &own)?;
+    let own = runner.avatar_of(&scene)?;
+    let (full_avatar, full) = runner.play_full_space(&scene, &own)?;
     let truth = &full.snapshots[0].displacement;
     let longest = truth.iter().map(|d| d.length()).fold(0.0, f64::max);
     scene.output.legend_mm = Some(1e3 * longest);
@@ -172,12 +172,12 @@ fn compare(studio: &Studio, press: &Press, page: &mut Page) -> Result<()> {
     let mut least = f64::INFINITY;
     for (count, truncation, every_tet, told) in variants {
         let reduced = with_handles(&scene, press, count, truncation)?;
-        let mut avatar = studio.avatar_of(&reduced)?;
+        let mut avatar = runner.avatar_of(&reduced)?;
         if every_tet {
             // Not in the bake, whose file would be a hundred times as large.
             avatar = Arc::new(all_tets(&avatar)?);
         }
-        let run = studio.play(&reduced, &avatar)?;
+        let run = runner.play(&reduced, &avatar)?;
         let mut shot = run.snapshots[0].clone();
         let error = relative_error(&shot.displacement, truth);
         let name = format!("{count} + {}{told}", press.elsewhere);

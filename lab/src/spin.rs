@@ -1,7 +1,7 @@
 //! A body spun up and stopped about the vertical.
 
 use super::measure::{depth, longest, upper_quantile, world_displacement};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use supple::Result;
 use supple::internal::cpu::skin_displacement;
@@ -18,10 +18,10 @@ pub const FIGURE: Figure = Figure {
 
 /// Turns the body half around about the vertical. Its tissue lags while the turn becomes faster, leads while it
 /// becomes slower, most of all where it is deep, and comes to rest after the stop.
-fn draw(studio: &Studio) -> Result<Page> {
-    let scene = studio.scene("body_spin")?;
-    let avatar = studio.avatar_of(&scene)?;
-    let run = studio.play(&scene, &avatar)?;
+fn draw(runner: &Runner) -> Result<Page> {
+    let scene = runner.scene("body_spin")?;
+    let avatar = runner.avatar_of(&scene)?;
+    let run = runner.play(&scene, &avatar)?;
     let (times, states) = (&run.recording.times, &run.recording.states);
     let keys = &scene.pins[0].motion.rotation_degrees;
     let (start, stop) = (keys[0][0], keys[keys.len() - 1][0]);
@@ -58,7 +58,7 @@ fn draw(studio: &Studio) -> Result<Page> {
     ));
     page.picture(
         "spin",
-        studio.strip(&scene, &avatar, &run),
+        runner.strip(&scene, &avatar, &run),
         "spun up, slowed down, and after the stop",
     );
     let turned: Vec<(f64, f64)> = times
@@ -108,7 +108,7 @@ fn draw(studio: &Studio) -> Result<Page> {
         "left in the last 0.2 s, of the peak",
         most(within(end - 0.2, end)(&largest)) / peak,
         "",
-        Bound::AtMost(studio.pick(0.2, 0.05)),
+        Bound::AtMost(runner.pick(0.2, 0.05)),
     );
     page.check_intact("", &run.report);
     Ok(page)

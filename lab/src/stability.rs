@@ -1,6 +1,6 @@
 //! Every scene for ten seconds, at long time steps.
 
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use std::sync::Arc;
 use supple::internal::math::par_map;
 use supple::model::{Avatar, State};
@@ -43,16 +43,16 @@ struct Outcome {
 
 /// Plays every committed scene (in a test those of small avatars, for one second) and looks for what does not
 /// hold: an error, an inverted tet, motion that grows.
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "Every scene at 60 and 100 steps a second with one Newton iteration a step, and at 30 with iterations to the \
          end. After its script a scene is left as it is. A method that is not stable shows it by speeds that grow, \
          and a tissue that is pressed too hard by a det F of 0 and below.",
     );
-    let cases = cases(studio)?;
+    let cases = cases(runner)?;
     let outcomes = par_map(cases.len(), |k| {
         let case = &cases[k];
-        studio.play(&case.scene, &case.avatar).map(|run| Outcome {
+        runner.play(&case.scene, &case.avatar).map(|run| Outcome {
             speeds: speeds(&run.recording.states, 1.0 / case.rate),
             run,
         })
@@ -99,7 +99,7 @@ fn draw(studio: &Studio) -> Result<Page> {
             "",
             Bound::AtLeast(1e-3),
         );
-        if !studio.small() {
+        if !runner.small() {
             // A script may end in the second half; nothing that it does is faster than 1 m/s.
             page.check(
                 format!("{name}: fastest handle in the second half"),
@@ -139,20 +139,20 @@ fn steps(scene: &Scene) -> Bound {
     Bound::AtLeast(scene.steps as f64)
 }
 
-fn cases(studio: &Studio) -> Result<Vec<Case>> {
+fn cases(runner: &Runner) -> Result<Vec<Case>> {
     let mut cases = Vec::new();
-    for name in studio.scenes()? {
-        let scene = studio.scene(&name)?;
+    for name in runner.scenes()? {
+        let scene = runner.scene(&name)?;
         let small = matches!(scene.avatar.sample, Some(Sample::Finger | Sample::LimbS));
-        if studio.small() && !small {
+        if runner.small() && !small {
             continue;
         }
-        let avatar = studio.avatar_of(&scene)?;
+        let avatar = runner.avatar_of(&scene)?;
         for (rate, solver, mode) in MODES {
             let mut scene = scene.clone();
             scene.settings.time_step = 1.0 / rate;
             scene.settings.solver = mode;
-            scene.steps = (rate * studio.pick(1.0, 10.0)) as usize;
+            scene.steps = (rate * runner.pick(1.0, 10.0)) as usize;
             scene.output.panels.clear();
             cases.push(Case {
                 scene,

@@ -2,7 +2,7 @@
 
 use super::measure::longest;
 use super::poses::{Pose, body_poses, hand_poses, random_pose};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use supple::Result;
@@ -38,23 +38,23 @@ struct Posed {
 }
 
 /// Poses with and without pose blend shapes; the simulated skin against the parametric model's; a contact in a pose.
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "Nothing touches these: bones are drawn to a pose by springs and simulated until they rest, and the skin is \
          that of the data-driven model, with its pose blend shapes (below) and without them (above).",
     );
-    let count = studio.pick(3, 50);
-    let hand = hand(studio)?;
-    compare(studio, &hand, count, &mut page)?;
-    if !studio.small() {
-        compare(studio, &body(studio)?, count, &mut page)?;
-        contact(studio, &mut page)?;
+    let count = runner.pick(3, 50);
+    let hand = hand(runner)?;
+    compare(runner, &hand, count, &mut page)?;
+    if !runner.small() {
+        compare(runner, &body(runner)?, count, &mut page)?;
+        contact(runner, &mut page)?;
     }
     Ok(page)
 }
 
-fn hand(studio: &Studio) -> Result<Posed> {
-    let avatar = studio.sample(Sample::Hand)?;
+fn hand(runner: &Runner) -> Result<Posed> {
+    let avatar = runner.sample(Sample::Hand)?;
     Ok(Posed {
         name: "hand",
         model: supple_samples::hand()?.model,
@@ -66,8 +66,8 @@ fn hand(studio: &Studio) -> Result<Posed> {
     })
 }
 
-fn body(studio: &Studio) -> Result<Posed> {
-    let avatar = studio.sample(Sample::Body)?;
+fn body(runner: &Runner) -> Result<Posed> {
+    let avatar = runner.sample(Sample::Body)?;
     Ok(Posed {
         name: "body",
         model: supple_samples::body()?.model,
@@ -80,7 +80,7 @@ fn body(studio: &Studio) -> Result<Posed> {
 }
 
 /// Pictures of the poses, and the skin's distance from the model's over them and `count` random ones.
-fn compare(studio: &Studio, posed: &Posed, count: usize, page: &mut Page) -> Result<()> {
+fn compare(runner: &Runner, posed: &Posed, count: usize, page: &mut Page) -> Result<()> {
     let Posed {
         name,
         avatar,
@@ -113,9 +113,9 @@ fn compare(studio: &Studio, posed: &Posed, count: usize, page: &mut Page) -> Res
         if k < posed.poses.len() {
             shown.push((posed_skin(&plain, &state), skin));
         }
-        studio.progress(&format!("poses of the {name}"), k + 1, locals.len());
+        runner.progress(&format!("poses of the {name}"), k + 1, locals.len());
     }
-    let blend = compared(studio, posed, shown, page);
+    let blend = compared(runner, posed, shown, page);
     let what = format!(
         "{name}: skin off the parametric model over {} poses",
         locals.len()
@@ -135,7 +135,7 @@ fn compare(studio: &Studio, posed: &Posed, count: usize, page: &mut Page) -> Res
 /// Adds pictures of skins without and with pose blend shapes, one of [`Posed::poses`] each; the latter are coloured by
 /// how far the blend shapes move them. Gives the farthest, m.
 fn compared(
-    studio: &Studio,
+    runner: &Runner,
     posed: &Posed,
     shown: Vec<(Surface, Surface)>,
     page: &mut Page,
@@ -153,7 +153,7 @@ fn compared(
         let aspect = width as f64 / height as f64;
         let camera = Camera::framing(&skin.positions, posed.view, posed.up, aspect);
         let panel = |mesh: Mesh, shapes: &str| Panel {
-            image: studio.picture(&[mesh], camera, posed.size),
+            image: runner.picture(&[mesh], camera, posed.size),
             caption: format!("{}, {shapes}", pose.name),
         };
         above.push(panel(Mesh::new(plain, scale.colour(0.0)), "without"));
@@ -165,7 +165,7 @@ fn compared(
         title: "moved by pose blend shapes (mm)".into(),
         scale,
     };
-    let sheet = studio.sheet(above, columns, Some(legend));
+    let sheet = runner.sheet(above, columns, Some(legend));
     let caption = format!(
         "{}: without pose blend shapes above, with them below",
         posed.name
@@ -208,17 +208,17 @@ fn at_rest(avatar: &Arc<Avatar>, local: &[DMat3]) -> Result<State> {
 }
 
 /// The body in a pose, a ball in its belly.
-fn contact(studio: &Studio, page: &mut Page) -> Result<()> {
-    let scene = studio.scene("posed_contact")?;
-    let avatar = studio.avatar_of(&scene)?;
-    let run = studio.play(&scene, &avatar)?;
+fn contact(runner: &Runner, page: &mut Page) -> Result<()> {
+    let scene = runner.scene("posed_contact")?;
+    let avatar = runner.avatar_of(&scene)?;
+    let run = runner.play(&scene, &avatar)?;
     page.text(
         "In a pose that the blend shapes serve (the arms are bent), a ball is pushed into the belly. The dent is in \
          the unposed shape (inset) as in the posed one, and the spine gives way: the contact acts on bones and tissue.",
     );
     page.picture(
         "contact",
-        studio.strip(&scene, &avatar, &run),
+        runner.strip(&scene, &avatar, &run),
         "a posed contact; insets: the unposed shape",
     );
     let r = &run.report;

@@ -1,6 +1,6 @@
 //! What a step costs, in the full space and in the reduced one.
 
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use std::sync::Arc;
 use supple::Result;
 use supple::model::Avatar;
@@ -66,24 +66,24 @@ const FULL: &[Subject] = &[
 ];
 
 /// The medians of a step's parts under full press.
-fn draw(studio: &Studio) -> Result<Page> {
+fn draw(runner: &Runner) -> Result<Page> {
     let mut page = Page::new(
         "Medians of a step of one Newton iteration under full press, f64 on this machine's CPU, and the paper's numbers \
          (Intel i7-9750H). The force column is what is done point by point, with the tangents; the Hessian column is their \
          sum into block rows, with the gradient; contact, skin and the bones' own terms are in the step. The paper's body has \
          672 degrees of freedom, where 24 bones and 82 handles make 390.",
     );
-    for subject in studio.pick(SMALL, FULL) {
-        measure(studio, subject, &mut page)?;
+    for subject in runner.pick(SMALL, FULL) {
+        measure(runner, subject, &mut page)?;
     }
     Ok(page)
 }
 
-fn measure(studio: &Studio, subject: &Subject, page: &mut Page) -> Result<()> {
-    let scene = studio.scene(subject.scene)?;
-    let steps = studio.pick(7, 31);
+fn measure(runner: &Runner, subject: &Subject, page: &mut Page) -> Result<()> {
+    let scene = runner.scene(subject.scene)?;
+    let steps = runner.pick(7, 31);
     let (mut rows, mut growth) = (Vec::new(), Vec::new());
-    let mut own = studio.avatar_of(&scene)?;
+    let mut own = runner.avatar_of(&scene)?;
 
     let (avatar, simulation) =
         full_space_simulation(&own, 1, contacts(&scene, &own), scene.settings)?;
@@ -96,7 +96,7 @@ fn measure(studio: &Studio, subject: &Subject, page: &mut Page) -> Result<()> {
         let (_, mut recipe) = scene.avatar.body()?;
         recipe.cubature.points = Some(points);
         scene.avatar.bake = Some(recipe);
-        own = studio.avatar_of(&scene)?;
+        own = runner.avatar_of(&scene)?;
         let potential = CpuPotential::new(own.clone(), 1, contacts(&scene, &own))?;
         let simulation = Simulation::new(&own, potential, scene.settings)?;
         let timings = pressed(&scene, &own, simulation, 4.0, steps)?;
@@ -154,7 +154,7 @@ fn measure(studio: &Studio, subject: &Subject, page: &mut Page) -> Result<()> {
         Bound::AtLeast(1e-6),
     );
     // A test's machine may do other work: times are judged in the gallery alone.
-    if studio.small() {
+    if runner.small() {
         return Ok(());
     }
     let (first, last) = (growth[0], growth[growth.len() - 1]);

@@ -2,7 +2,7 @@
 
 use super::measure::world_displacement;
 use super::spectrum::{Sample, between, peak, spectrum};
-use super::{Bound, Figure, Page, Studio};
+use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use std::path::Path;
 use supple::Result;
@@ -29,9 +29,9 @@ const TRUNK: [&str; 4] = ["pelvis", "spine1", "spine2", "spine3"];
 
 /// Walks by springs on every bone. The joints follow their targets, and the trunk's soft tissue swings up and down
 /// once a step.
-fn draw(studio: &Studio) -> Result<Page> {
-    let mut scene = studio.scene("body_walk")?;
-    if studio.small() {
+fn draw(runner: &Runner) -> Result<Page> {
+    let mut scene = runner.scene("body_walk")?;
+    if runner.small() {
         scene.settings.time_step = 1.0 / 60.0;
         // One iteration of so long a step leaves joints apart by what the bones' turns miss of second order.
         scene.settings.solver = SolverMode::TWO_ITERATIONS;
@@ -42,12 +42,12 @@ fn draw(studio: &Studio) -> Result<Page> {
          touches it. The colours show how far tissue moves from the skinned shape; insets show the same on the \
          reference shape.",
     );
-    walked(studio, &scene, "generated", &mut page)?;
+    walked(runner, &scene, "generated", &mut page)?;
     let recorded = Path::new(RECORDED);
-    if !studio.small() {
+    if !runner.small() {
         if recorded.exists() {
             let scene = recorded_scene(scene, recorded)?;
-            walked(studio, &scene, "recorded", &mut page)?;
+            walked(runner, &scene, "recorded", &mut page)?;
         } else {
             page.text("The recorded walk is not here, and is left out.");
         }
@@ -72,12 +72,12 @@ fn recorded_scene(mut scene: Scene, file: &Path) -> Result<Scene> {
 }
 
 /// Plays `scene` and adds what came of it.
-fn walked(studio: &Studio, scene: &Scene, name: &'static str, page: &mut Page) -> Result<()> {
-    let avatar = studio.avatar_of(scene)?;
+fn walked(runner: &Runner, scene: &Scene, name: &'static str, page: &mut Page) -> Result<()> {
+    let avatar = runner.avatar_of(scene)?;
     let targets = targets(scene, &avatar)?;
-    let run = studio.play(scene, &avatar)?;
+    let run = runner.play(scene, &avatar)?;
     let caption = format!("{name} walk");
-    page.picture(name, studio.strip(scene, &avatar, &run), caption);
+    page.picture(name, runner.strip(scene, &avatar, &run), caption);
 
     let eased = scene.motion.as_ref().map_or(0.0, |m| m.ease_in);
     let errors: Vec<(f64, [f64; 2])> = (targets.iter())

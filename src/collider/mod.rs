@@ -196,10 +196,10 @@ impl Shape {
 pub struct Collider {
     /// Its shape.
     pub shape: Shape,
-    /// Where it is at the end of the step; with a carrier, where it is in that frame (a point x of the
+    /// Where it is at the end of the step; with a body, where it is in that frame (a point x of the
     /// collider is at R (frame x) + c).
     pub frame: Frame,
-    /// Where it was at the start of the step; not read where there is a carrier.
+    /// Where it was at the start of the step; not read where there is a body.
     pub previous: Frame,
     /// Penalty stiffness k, Pa/m.
     pub stiffness: f64,
@@ -208,14 +208,14 @@ pub struct Collider {
     /// Coefficient of friction μ; 0 slides freely.
     pub friction: f64,
     /// The frame of the system that it is fixed to, and pushes: none where its motion is given.
-    pub carrier: Option<u32>,
+    pub body: Option<u32>,
 }
 
 impl Collider {
     /// Above it μ is taken for a mistake.
     pub const MOST_FRICTION: f64 = 10.0;
 
-    /// A collider that stands still: k = 10⁸ Pa/m, no margin, no friction, no carrier.
+    /// A collider that stands still: k = 10⁸ Pa/m, no margin, no friction, no body.
     pub fn new(shape: Shape, frame: Frame) -> Self {
         Self {
             shape,
@@ -224,21 +224,21 @@ impl Collider {
             stiffness: 1e8,
             margin: 0.0,
             friction: 0.0,
-            carrier: None,
+            body: None,
         }
     }
 
     /// Where it stands at the end of the step, the system's frames being `frames`.
     pub fn place(&self, frames: &[Frame]) -> Frame {
-        match self.carrier {
+        match self.body {
             None => self.frame,
-            Some(carrier) => frames[carrier as usize].compose(&self.frame),
+            Some(body) => frames[body as usize].compose(&self.frame),
         }
     }
 
     /// Where it stood at the start of the step, the system's frames being `frames` then.
     pub fn previous_place(&self, frames: &[Frame]) -> Frame {
-        match self.carrier {
+        match self.body {
             None => self.previous,
             Some(_) => self.place(frames),
         }
@@ -259,9 +259,9 @@ impl Collider {
         r * self.shape.curvature(place.inverse_transform(point)) * r.transpose()
     }
 
-    /// The collider seen from `origin`: both frames shifted by −origin, unless they are its carrier's.
+    /// The collider seen from `origin`: both frames shifted by −origin, unless they are its body's.
     pub fn relative_to(&self, origin: DVec3) -> Self {
-        let shift = if self.carrier.is_none() {
+        let shift = if self.body.is_none() {
             origin
         } else {
             DVec3::ZERO
@@ -277,7 +277,7 @@ impl Collider {
         }
     }
 
-    /// Checks sizes, frames, stiffness, margin and friction; whether there is such a carrier, the potential checks.
+    /// Checks sizes, frames, stiffness, margin and friction; whether there is such a body, the potential checks.
     pub fn validate(&self) -> Result<()> {
         self.shape.validate()?;
         for (field, frame) in [

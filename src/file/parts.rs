@@ -18,7 +18,7 @@ use super::sparse_columns::SparseColumns;
 use crate::material::{LocalTissue, Material};
 use crate::math::Rows;
 use crate::model::{
-    Avatar, BasisEntry, BoneMass, DrawnPart, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer,
+    Avatar, BasisEntry, BoneMass, PointSet, PoseBlend, RenderMesh, Skeleton, SkinWeight, SoftLayer,
 };
 use crate::{Error, Result};
 use glam::DVec3;
@@ -103,8 +103,8 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
     if !avatar.attached.is_empty() {
         sections.push(section(ATTACHED, &avatar.attached)?);
     }
-    if !avatar.drawn.is_empty() {
-        sections.push(section(DRAWN, &avatar.drawn)?);
+    if !avatar.render_meshes.is_empty() {
+        sections.push(section(DRAWN, &avatar.render_meshes)?);
     }
     if parts == Parts::All && avatar.layer != SoftLayer::default() {
         sections.push(section(LAYER, &avatar.layer)?);
@@ -128,7 +128,7 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         skin: reader.points(skin, SKIN_POSE)?,
         triangles: triangles.into_owned(),
         attached: reader.optional(ATTACHED)?.unwrap_or_default(),
-        drawn: (reader.optional(DRAWN)?).unwrap_or_else(Vec::<DrawnPart>::new),
+        render_meshes: (reader.optional(DRAWN)?).unwrap_or_else(Vec::<RenderMesh>::new),
         material: tissue.material,
         tissue: tissue.local.into_owned(),
         density: tissue.density,

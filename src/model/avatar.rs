@@ -3,7 +3,7 @@
 use super::{BoneMass, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh};
 use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;
-use crate::model::DrawnPart;
+use crate::model::RenderMesh;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,7 @@ pub struct Avatar {
     /// share) that each of them follows. They have no area.
     pub attached: Rows<(u32, f64)>,
     /// How the body's file draws the skin; none where it is drawn as it is.
-    pub drawn: Vec<DrawnPart>,
+    pub render_meshes: Vec<RenderMesh>,
     /// What the tissue is made of.
     pub material: Material,
     /// Stiffness and axes of the material at each cubature point; none where they are the same everywhere.
@@ -106,7 +106,7 @@ impl Avatar {
     }
 
     /// The frames that may carry colliders: those without a parent that move no tissue.
-    pub fn carriers(&self) -> Vec<u32> {
+    pub fn body_frames(&self) -> Vec<u32> {
         let mut has_tissue = vec![false; self.skeleton.len()];
         for w in self.cubature.skinning.entries() {
             has_tissue[w.bone as usize] = true;
@@ -141,7 +141,7 @@ impl Avatar {
             .skin_embedding
             .validate("layer.skin_embedding", self.tissue_vertices())?;
         self.attached.validate("attached", self.attached.len())?;
-        (self.drawn.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
+        (self.render_meshes.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
         let check = |ok: bool, field: &str, problem: &str| {
             if ok {
                 Ok(())

@@ -2,10 +2,10 @@
 
 mod avatar;
 mod bone_mass;
-mod drawn_part;
 mod frame;
 mod joint_range;
 mod points;
+mod render_mesh;
 mod rigid_body;
 mod skeleton;
 mod state;
@@ -14,10 +14,10 @@ mod tet_mesh;
 
 pub use avatar::{Avatar, SoftLayer};
 pub use bone_mass::BoneMass;
-pub use drawn_part::DrawnPart;
 pub use frame::Frame;
 pub use joint_range::JointRange;
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
+pub use render_mesh::RenderMesh;
 pub use rigid_body::RigidBody;
 pub use skeleton::{Skeleton, pose_feature, pose_feature_into, pose_features};
 pub use state::{Space, State};

@@ -69,12 +69,12 @@ impl RigidBody {
         Self { place, ..self }
     }
 
-    /// What the avatar's skin touches of it, carried by frame `carrier` of the system.
-    pub fn collider(&self, carrier: usize) -> Collider {
+    /// What the avatar's skin touches of it, carried by frame `body` of the system.
+    pub fn collider(&self, body: usize) -> Collider {
         Collider {
             stiffness: self.stiffness,
             friction: self.friction,
-            carrier: Some(carrier as u32),
+            body: Some(body as u32),
             ..Collider::new(self.shape.clone(), Frame::IDENTITY)
         }
     }

@@ -30,7 +30,7 @@ pub struct StepStart<'a> {
     pub previous: &'a State,
     /// qⁿ: its pose gives x̄ for the whole step, and energies are measured from it.
     pub current: &'a State,
-    /// Colliders, each with its frame at tⁿ and at tⁿ⁺¹. Only [`Avatar::carriers`](crate::model::Avatar::carriers)
+    /// Colliders, each with its frame at tⁿ and at tⁿ⁺¹. Only [`Avatar::body_frames`](crate::model::Avatar::body_frames)
     /// may carry one.
     pub colliders: &'a [Collider],
     /// Gravity on the tissue's displacement, m/s²; zero where the rest shape already sags.
@@ -43,7 +43,7 @@ pub struct StepStart<'a> {
 
 impl StepStart<'_> {
     /// Checks the colliders, who carries them, and ε_v.
-    pub fn validate_contact(&self, carriers: &[u32]) -> Result<()> {
+    pub fn validate_contact(&self, body_frames: &[u32]) -> Result<()> {
         if !(self.slip_speed > 0.0 && self.slip_speed.is_finite()) {
             return Err(Error::invalid(
                 "slip_speed",
@@ -52,11 +52,11 @@ impl StepStart<'_> {
         }
         for collider in self.colliders {
             collider.validate()?;
-            if let Some(carrier) = collider.carrier.filter(|c| !carriers.contains(c)) {
+            if let Some(body) = collider.body.filter(|c| !body_frames.contains(c)) {
                 return Err(Error::invalid(
-                    "collider.carrier",
+                    "collider.body",
                     format!(
-                        "frame {carrier} cannot carry a collider: only frames without a parent \
+                        "frame {body} cannot carry a collider: only frames without a parent \
                          that move no tissue can"
                     ),
                 ));

@@ -51,9 +51,9 @@ impl BlockPattern {
         }
     }
 
-    /// The pattern with what contacts add between each frame of `carriers` and the handles of the points
+    /// The pattern with what contacts add between each frame of `body_frames` and the handles of the points
     /// that it may touch, each point's blocks a row of `touching`.
-    pub fn with_carriers(self, carriers: &[u32], touching: &Rows<u32>) -> Self {
+    pub fn with_bodies(self, body_frames: &[u32], touching: &Rows<u32>) -> Self {
         let space = self.space;
         let mut rows: Vec<BTreeSet<u32>> = (self.columns.iter())
             .map(|columns| columns.iter().copied().collect())
@@ -61,7 +61,7 @@ impl BlockPattern {
         let first_handle = 2 * space.frames;
         for &block in touching.entries() {
             if block as usize >= first_handle {
-                rows[block as usize].extend(carriers.iter().flat_map(|&c| [2 * c, 2 * c + 1]));
+                rows[block as usize].extend(body_frames.iter().flat_map(|&c| [2 * c, 2 * c + 1]));
             }
         }
         Self {

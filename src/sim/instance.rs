@@ -72,7 +72,14 @@ impl Instance {
 
     /// Throws a frame, a body's as a rule: it stands at `frame` and moves with `velocity` (m/s, of its
     /// origin) and `spin` (rad/s), having come there in a step of `time_step`.
-    pub fn throw(&mut self, frame: usize, at: Frame, velocity: DVec3, spin: DVec3, time_step: f64) {
+    pub fn set_motion(
+        &mut self,
+        frame: usize,
+        at: Frame,
+        velocity: DVec3,
+        spin: DVec3,
+        time_step: f64,
+    ) {
         self.state.frames[frame] = at;
         self.previous.frames[frame] = at.moved(-velocity * time_step, -spin * time_step);
     }

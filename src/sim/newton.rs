@@ -14,7 +14,7 @@ pub(super) const ENERGY_RESOLUTION: f64 = 1e-8;
 
 /// The longest step that [`SolverMode::OneIteration`] takes on trust, m: it starts at the prediction, so a longer one
 /// means that the step holds something unforeseen.
-const SURPRISE: f64 = 1e-3;
+const TRUST_RADIUS: f64 = 1e-3;
 
 /// Lever at which a rotation counts as a length, m.
 const ROTATION_LEVER: f64 = 0.1;
@@ -89,7 +89,7 @@ impl Newton {
         match mode {
             SolverMode::OneIteration => {
                 self.directions(potential, solver, timings)?;
-                self.take_short_steps(SURPRISE, Stop::OneIteration);
+                self.take_short_steps(TRUST_RADIUS, Stop::OneIteration);
                 self.line_search(potential, timings).await?;
                 self.stop_running(Stop::OneIteration);
                 Ok(())

@@ -113,7 +113,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         skin,
         triangles,
         attached: Rows::default(),
-        drawn: Vec::new(),
+        render_meshes: Vec::new(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 30e3,
             poissons_ratio: 0.4,

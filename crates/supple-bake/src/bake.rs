@@ -150,7 +150,7 @@ pub fn bake(
         skin,
         triangles,
         attached,
-        drawn: body.drawn.clone(),
+        render_meshes: body.render_meshes.clone(),
         material,
         tissue: (cubature.tets.iter())
             .map(|&t| layer_tissue[t as usize])

@@ -84,7 +84,7 @@ impl Preview {
                     follows_tissue: a.follows_tissue,
                 })
                 .collect(),
-            drawn_parts: body.drawn.into_iter().map(|d| d.name).collect(),
+            drawn_parts: body.render_meshes.into_iter().map(|d| d.name).collect(),
             shapes,
             pose_features: body.pose_blend.features,
             animations: (clips.into_iter())

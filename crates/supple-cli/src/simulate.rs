@@ -205,7 +205,7 @@ fn play<P: Potential>(
 fn time_stages(potential: &mut GpuPotential, breakdown: &mut Breakdown) -> Result<()> {
     const REPEATS: usize = 5;
     const HESSIAN: [&str; 2] = ["point_hessian", "hessian"];
-    const SKIN: [&str; 3] = ["drawn pose_blend", "skin", "normals"];
+    const SKIN: [&str; 3] = ["posed pose_blend", "skin", "normals"];
     let times = pollster::block_on(potential.stage_times(REPEATS))?;
     let submission = times.first().map_or(0.0, |t| t.1);
     breakdown.readback = 1e3 * submission;

@@ -258,7 +258,7 @@ fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
         layer: LayerMesh::default(),
         painted: Default::default(),
         attachments: Vec::new(),
-        drawn: Vec::new(),
+        render_meshes: Vec::new(),
     }
 }
 

@@ -126,7 +126,7 @@ fn part_within(skin: &Surface, part: &Part, others: &[[u32; 3]]) -> f64 {
 /// A name for each part: that of what draws most of its triangles.
 fn part_names(body: &Body, part_of: &[Option<u32>], parts: usize) -> Vec<String> {
     let mut drawn: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); parts];
-    for (d, part) in body.drawn.iter().enumerate() {
+    for (d, part) in body.render_meshes.iter().enumerate() {
         for v in part.triangles.iter().map(|t| part.vertices[t[0] as usize]) {
             if let Some(p) = part_of.get(v as usize).copied().flatten() {
                 *drawn[p as usize].entry(d).or_default() += 1;
@@ -139,7 +139,7 @@ fn part_names(body: &Body, part_of: &[Option<u32>], parts: usize) -> Vec<String>
             .max_by_key(|(d, count)| (**count, std::cmp::Reverse(**d)));
         most.map_or_else(
             || format!("surface {p}"),
-            |(d, _)| body.drawn[*d].name.clone(),
+            |(d, _)| body.render_meshes[*d].name.clone(),
         )
     };
     drawn.iter().enumerate().map(name).collect()
@@ -207,8 +207,8 @@ fn split(body: &Body, groups: Vec<(String, bool)>, group: impl Fn(usize) -> Opti
             follows_tissue,
         });
     }
-    let mut drawn = body.drawn.clone();
-    for v in drawn.iter_mut().flat_map(|d| &mut d.vertices) {
+    let mut render_meshes = body.render_meshes.clone();
+    for v in render_meshes.iter_mut().flat_map(|d| &mut d.vertices) {
         *v = number[*v as usize];
     }
     let paint = |values: &Vec<f64>| skin.iter().map(|&v| values[v as usize]).collect();
@@ -220,7 +220,7 @@ fn split(body: &Body, groups: Vec<(String, bool)>, group: impl Fn(usize) -> Opti
             .map(|(name, values)| (name.clone(), paint(values)))
             .collect(),
         attachments,
-        drawn,
+        render_meshes,
         ..body.clone()
     }
 }

@@ -76,7 +76,7 @@ impl Finger {
             layer: Default::default(),
             painted: Default::default(),
             attachments: Vec::new(),
-            drawn: Vec::new(),
+            render_meshes: Vec::new(),
         };
         Mesher::PrismShell(self.shell.clone()).mesh(&mut body)?;
         body.validate()?;

@@ -39,6 +39,10 @@ fn figures_are_listed_and_found_by_name() {
 #[test]
 fn scenes_are_in_the_program_so_that_any_folder_will_do() {
     let folder = tempfile::tempdir().unwrap();
-    says(&figures(folder.path(), &["--only", "spin", "--small"]), 0, &[]);
+    says(
+        &figures(folder.path(), &["--only", "spin", "--small"]),
+        0,
+        &[],
+    );
     assert!(folder.path().join("out/figures/index.html").exists());
 }

@@ -1,12 +1,12 @@
 //! Every figure at its small size: what it draws can be drawn, and all of its checks hold. A figure's test is
 //! called like the figure.
 
-use super::STUDIO;
+use super::RUNNER;
 use supple_lab::{FIGURES, Figure};
 
 fn holds(name: &str) {
     let figure: &Figure = FIGURES.iter().find(|f| f.name == name).unwrap();
-    let page = (figure.draw)(&STUDIO).unwrap();
+    let page = (figure.draw)(&RUNNER).unwrap();
     for check in &page.checks {
         println!("{check}");
     }

@@ -8,12 +8,12 @@ mod scene_parity;
 
 use std::path::Path;
 use std::sync::LazyLock;
-use supple_lab::{Size, Studio};
+use supple_lab::{Runner, Size};
 
 /// One for all: what a test bakes, the others have.
-static STUDIO: LazyLock<Studio> = LazyLock::new(|| {
+static RUNNER: LazyLock<Runner> = LazyLock::new(|| {
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lab");
-    Studio::new(Size::Small, SCENES, cache, |_| {})
+    Runner::new(Size::Small, SCENES, cache, |_| {})
 });
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenes");

@@ -1,7 +1,7 @@
 //! The GPU plays every committed scene as the CPU does: from a state in the thick of it, step by step. A scene's
 //! test is called like the scene.
 
-use super::STUDIO;
+use super::RUNNER;
 use std::sync::LazyLock;
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
@@ -66,8 +66,8 @@ impl<P: Potential> Player<P> {
 }
 
 fn agree(name: &str) {
-    let scene = STUDIO.scene(name).unwrap();
-    let avatar = STUDIO.avatar_of(&scene).unwrap();
+    let scene = RUNNER.scene(name).unwrap();
+    let avatar = RUNNER.avatar_of(&scene).unwrap();
     let colliders = scene.collider_count();
     let reference = CpuPotential::new(avatar.clone(), 1, avatar.skin.len() * colliders).unwrap();
     let mut cpu = Player::new(&scene, &avatar, reference);
@@ -112,7 +112,7 @@ macro_rules! scenes {
 
         #[test]
         fn every_scene_is_tested() {
-            assert_eq!(STUDIO.scenes().unwrap(), [$(stringify!($name)),*]);
+            assert_eq!(RUNNER.scenes().unwrap(), [$(stringify!($name)),*]);
         }
     };
 }

@@ -19,10 +19,10 @@ pub(super) struct Asset<B> {
     pub skin: Points<B>,
     pub skin_incidence: Incidence,
     pub skin_columns: PoseColumns,
-    /// Blocks of a skin vertex at most, and the two of a carrier.
+    /// Blocks of a skin vertex at most, and the two of a body.
     pub lever_stride: usize,
     /// Frames that may carry colliders.
-    pub carriers: Vec<u32>,
+    pub body_frames: Vec<u32>,
     pub vertex_triangles: Rows<[u32; 2]>,
     pub contact_capacity: usize,
 }
@@ -38,17 +38,17 @@ impl<B: Basis> Asset<B> {
         let space = avatar.space();
         let cubature = Points::new("cubature", space, &avatar.cubature.skinning, cubature)?;
         let skin = Points::new("skin", space, &avatar.skin.skinning, skin)?;
-        let carriers = avatar.carriers();
+        let body_frames = avatar.body_frames();
         let skin_blocks = skin.blocks(space);
         let pattern = BlockPattern::from_blocks(space, &[&cubature.blocks(space), &skin_blocks])
-            .with_carriers(&carriers, &skin_blocks);
+            .with_bodies(&body_frames, &skin_blocks);
         Ok(Self {
             cubature_incidence: cubature.incidence(&pattern),
             skin_incidence: skin.incidence(&pattern),
             cubature_columns: PoseColumns::new(&avatar.cubature.pose_blend, cubature.len()),
             skin_columns: PoseColumns::new(&avatar.skin.pose_blend, skin.len()),
             lever_stride: 2 * skin.skinning.longest() + skin.basis.longest() + 2,
-            carriers,
+            body_frames,
             vertex_triangles: vertex_triangles(skin.len(), &avatar.triangles),
             avatar,
             space,

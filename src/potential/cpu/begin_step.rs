@@ -12,7 +12,7 @@ use crate::collider::Collider;
 use crate::math::{Strided, par_join, par_split};
 use crate::model::{Frame, State, pose_feature_into};
 use crate::potential::StepStart;
-use crate::potential::cpu::pose_skin::Drawn;
+use crate::potential::cpu::pose_skin::PosedSkin;
 use glam::{DMat3, DVec3};
 
 /// Points and vertices of one task: some ten microseconds of work; a multiple of [`super::pose_columns::GROUP`].
@@ -84,7 +84,7 @@ impl Step {
         motion: &mut Motion,
         feature: &mut Vec<f64>,
         touching: &mut Touching,
-        drawn: &Drawn,
+        posed_skin: &PosedSkin,
     ) {
         let avatar = &*asset.avatar;
         self.time_step = start.time_step;
@@ -108,7 +108,7 @@ impl Step {
         let mut starts = std::mem::take(&mut self.starts);
         par_join(
             || starts.begin(asset, feature, &start.previous.handles, motion),
-            || self.begin_skin(asset, feature, motion, touching, drawn),
+            || self.begin_skin(asset, feature, motion, touching, posed_skin),
         );
         self.starts = starts;
     }
@@ -120,9 +120,9 @@ impl Step {
         feature: &[f64],
         motion: &Motion,
         touching: &mut Touching,
-        drawn: &Drawn,
+        posed_skin: &PosedSkin,
     ) {
-        match drawn.rest_of(feature) {
+        match posed_skin.rest_of(feature) {
             Some(rest) => self.skin_rest.copy_from_slice(rest),
             None => {
                 let (columns, position) = (&asset.skin_columns, &asset.avatar.skin.position);
@@ -138,7 +138,7 @@ impl Step {
         self.contact_energy = self.sum_contact_energy(asset, &touching.candidates);
     }
 
-    /// Lists the contacts at qⁿ with what was there at tⁿ and rubs.
+    /// Lists the contacts at qⁿ with what was there at tⁿ and has_friction.
     fn lag_contacts<B: Basis>(
         &mut self,
         asset: &Asset<B>,
@@ -154,10 +154,10 @@ impl Step {
         let places = self.colliders.iter().map(|c| c.previous_place(frames));
         touching.places.extend(places);
         self.candidates(asset, motion, touching);
-        // From here on a place is that of the frame that a collider is fixed to: its own or its carrier's.
+        // From here on a place is that of the frame that a collider is fixed to: its own or its body's.
         for (place, collider) in touching.places.iter_mut().zip(&self.colliders) {
-            if let Some(carrier) = collider.carrier {
-                *place = frames[carrier as usize];
+            if let Some(body) = collider.body {
+                *place = frames[body as usize];
             }
         }
         let mut lagged = std::mem::take(&mut self.lagged);
@@ -229,7 +229,7 @@ impl Step {
     /// u of the lagged contact `k` at qⁿ, m: the collider's motion is ahead of the skin's.
     pub fn start_slip(&self, k: usize) -> DVec3 {
         let lagged = &self.lagged[k];
-        match lagged.carrier {
+        match lagged.body {
             None => -carried(lagged, &self.collider_motions[lagged.collider as usize]),
             Some(_) => DVec3::ZERO,
         }
@@ -252,18 +252,18 @@ impl Step {
             self.skin_unposed(asset, v, base),
             unposed_displacement(asset.skin.basis.row(v), &motion.handle_changes),
         );
-        match lagged.carrier {
+        match lagged.body {
             None => moved,
-            Some(carrier) => moved - carried(lagged, &motion.motions[carrier as usize]),
+            Some(body) => moved - carried(lagged, &motion.motions[body as usize]),
         }
     }
 
     /// The lagged contact `k` with its u in the state of `motion`.
     pub fn slip(&self, k: usize, displacement: DVec3, motion: &Motion) -> Slip {
         let lagged = &self.lagged[k];
-        let rotation = match lagged.carrier {
+        let rotation = match lagged.body {
             None => self.collider_motions[lagged.collider as usize].rotation,
-            Some(carrier) => motion.frames[carrier as usize].rotation,
+            Some(body) => motion.frames[body as usize].rotation,
         };
         Slip {
             displacement,

@@ -35,7 +35,7 @@ pub fn compact(
 }
 
 /// Lists the candidates of qⁿ against the colliders of tⁿ that have friction. They push with λ = k a δ |∇d|,
-/// as ∇d between samples of a distance is no unit vector; where it vanishes nothing rubs. `frames` are those that the colliders are fixed to, at tⁿ; `point` gives a vertex's place, m.
+/// as ∇d between samples of a distance is no unit vector; where it vanishes nothing has_friction. `frames` are those that the colliders are fixed to, at tⁿ; `point` gives a vertex's place, m.
 pub fn lag(
     candidates: &[Candidate],
     areas: &[f64],
@@ -57,7 +57,7 @@ pub fn lag(
                 out.push(Lagged {
                     vertex: vertex as u32,
                     collider: k as u32,
-                    carrier: collider.carrier,
+                    body: collider.body,
                     anchor: frame.inverse_transform(point(vertex)),
                     normal: frame.rotation.transpose() * normal,
                     limit: collider.friction * force,

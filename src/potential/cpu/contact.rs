@@ -22,7 +22,7 @@ pub struct ContactRow {
     /// The skin vertex: the side that moves with its bones and handles.
     pub vertex: u32,
     /// The frame that carries the collider: the other side; none where its motion is given.
-    pub carrier: Option<u32>,
+    pub body: Option<u32>,
     /// e, in world axes: ∇d of a push, a unit vector of friction.
     pub direction: DVec3,
     /// f = ∂E/∂(e · z), N: the vertex is pushed by −f e.
@@ -36,7 +36,7 @@ impl ContactRow {
     pub fn normal(candidate: &Candidate, stiffness: f64, vertex: u32, collider: &Collider) -> Self {
         Self {
             vertex,
-            carrier: collider.carrier,
+            body: collider.body,
             direction: candidate.normal,
             force: -(stiffness * candidate.depth),
             stiffness,
@@ -56,8 +56,8 @@ pub fn contact(point: DVec3, collider: &Collider, place: &Frame) -> Candidate {
 /// Whether a vertex with these bones may touch `collider`: nothing touches what its own frame carries.
 pub fn may_touch(skinning: &[SkinWeight], collider: &Collider) -> bool {
     collider
-        .carrier
-        .is_none_or(|carrier| skinning.iter().all(|w| w.bone != carrier))
+        .body
+        .is_none_or(|body| skinning.iter().all(|w| w.bone != body))
 }
 
 /// Where a skin vertex is, relative to the instance's origin, m; `unposed` is T.
@@ -94,7 +94,7 @@ pub fn skin_levers<B: Basis>(
     }
 }
 
-/// ℓ of the carrier's blocks: z moves by −δc − δω × r with r = x − c, so c: −e, ω: −r × e.
-pub fn carrier_levers(carrier: &Frame, point: DVec3, direction: DVec3) -> [DVec3; 2] {
-    [-direction, -(point - carrier.position).cross(direction)]
+/// ℓ of the body's blocks: z moves by −δc − δω × r with r = x − c, so c: −e, ω: −r × e.
+pub fn body_levers(body: &Frame, point: DVec3, direction: DVec3) -> [DVec3; 2] {
+    [-direction, -(point - body.position).cross(direction)]
 }

@@ -1,6 +1,6 @@
 //! The Hessian as a dense matrix, made without the gathers: for tests and diagnostics.
 
-use super::contact::{ContactRow, carrier_levers};
+use super::contact::{ContactRow, body_levers};
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
 use super::gradient::point_force;
@@ -45,7 +45,7 @@ impl<B: Basis> CpuPotential<B> {
                 joints,
                 frames: &motion.frames,
                 unposed: start.unposed + change,
-                carrier: None,
+                body: None,
             };
             let inertia = DMat3::from_diagonal(DVec3::splat(mass / (h * h)));
             body.add_gauss_newton(inertia, &mut dense);
@@ -95,7 +95,7 @@ impl<B: Basis> CpuPotential<B> {
                 joints: &avatar.skeleton.joints,
                 frames: &motion.frames,
                 unposed: step.skin_unposed(asset, v, &motion.handles),
-                carrier: row.carrier,
+                body: row.body,
             }
         };
         for row in &rows {
@@ -156,7 +156,7 @@ struct Body<'a, B> {
     joints: &'a [DVec3],
     frames: &'a [Frame],
     unposed: DVec3,
-    carrier: Option<u32>,
+    body: Option<u32>,
 }
 
 impl<B: Basis> Body<'_, B> {
@@ -176,10 +176,10 @@ impl<B: Basis> Body<'_, B> {
         out
     }
 
-    /// Its blocks in local order, then the carrier's c and ω.
+    /// Its blocks in local order, then the body's c and ω.
     fn blocks(&self) -> Vec<u32> {
-        let carrier = self.carrier.into_iter().flat_map(|c| [2 * c, 2 * c + 1]);
-        self.blocks.iter().copied().chain(carrier).collect()
+        let body = self.body.into_iter().flat_map(|c| [2 * c, 2 * c + 1]);
+        self.blocks.iter().copied().chain(body).collect()
     }
 
     /// ∂z/∂q of every block, in local order.
@@ -189,13 +189,13 @@ impl<B: Basis> Body<'_, B> {
         let frames =
             weights.flat_map(|(w, arm)| [DMat3::from_diagonal(DVec3::splat(w.weight)), -skew(arm)]);
         let handles = self.basis.iter().map(|n| blended * n.value());
-        let carrier = self.carrier.into_iter().flat_map(|c| {
+        let body = self.body.into_iter().flat_map(|c| {
             // Rows of the Jacobian are the levers of the axes.
             let rows =
-                DVec3::AXES.map(|e| carrier_levers(&self.frames[c as usize], self.position(), e));
+                DVec3::AXES.map(|e| body_levers(&self.frames[c as usize], self.position(), e));
             [0, 1].map(|b| DMat3::from_cols(rows[0][b], rows[1][b], rows[2][b]).transpose())
         });
-        frames.chain(handles).chain(carrier).collect()
+        frames.chain(handles).chain(body).collect()
     }
 
     /// Jᵀ K J.
@@ -209,7 +209,7 @@ impl<B: Basis> Body<'_, B> {
     }
 
     /// fᵀ ∂²z/∂q²: (ω_j, ω_j) is ½ (f a_jᵀ + a_j fᵀ) − (f·a_j) I, (ω_j, φ_h) is −w_j \[f\]× R_j N_h. Seen
-    /// from a carrier z = exp(−\[δω\]) (x − c): (ω, ω) is as a bone's with r = x − c, (ω, b) is \[f\]× ∂z/∂q_b.
+    /// from a body z = exp(−\[δω\]) (x − c): (ω, ω) is as a bone's with r = x − c, (ω, b) is \[f\]× ∂z/∂q_b.
     fn add_geometric(&self, f: DVec3, dense: &mut Dense) {
         for (k, (w, a)) in self.skinning.iter().zip(self.arms()).enumerate() {
             let omega = self.blocks[2 * k + 1];
@@ -224,9 +224,9 @@ impl<B: Basis> Body<'_, B> {
                 dense.add(phi, omega, mixed.transpose());
             }
         }
-        if let Some(carrier) = self.carrier {
-            let r = self.position() - self.frames[carrier as usize].position;
-            let omega = 2 * carrier + 1;
+        if let Some(body) = self.body {
+            let r = self.position() - self.frames[body as usize].position;
+            let omega = 2 * body + 1;
             let outer = DMat3::from_cols(f * r.x, f * r.y, f * r.z);
             let dot = DMat3::from_diagonal(DVec3::splat(f.dot(r)));
             dense.add(omega, omega, (outer + outer.transpose()) * 0.5 - dot);

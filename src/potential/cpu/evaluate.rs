@@ -2,7 +2,7 @@
 //! or block rows.
 
 use super::asset::Asset;
-use super::contact::{ContactRow, carrier_levers, contact_point, skin_levers};
+use super::contact::{ContactRow, body_levers, contact_point, skin_levers};
 use super::evaluate_points::evaluate_points;
 use super::friction::{self, Slip};
 use super::geometric::{Vertex, add_geometric};
@@ -12,7 +12,7 @@ use super::{Basis, Motion, compact::compact, energy};
 use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_join, par_split};
 use crate::model::State;
 use crate::potential::cpu::begin_step::{Step, Touching};
-use crate::potential::cpu::pose_skin::Drawn;
+use crate::potential::cpu::pose_skin::PosedSkin;
 use crate::potential::{Energies, Evaluation, EvaluationTimings, StepStart};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -27,7 +27,7 @@ pub(super) struct Instance {
     pub motion: Motion,
     pub base_motion: Motion,
     feature: Vec<f64>,
-    pub drawn: Drawn,
+    pub posed_skin: PosedSkin,
     pub touching: Touching,
     pub base_touching: Touching,
     pub energies: Vec<Energies>,
@@ -52,7 +52,7 @@ impl Instance {
             motion: Motion::default(),
             base_motion: Motion::default(),
             feature: Vec::new(),
-            drawn: Drawn::default(),
+            posed_skin: PosedSkin::default(),
             touching: Touching::default(),
             base_touching: Touching::default(),
             energies: vec![Energies::default(); points],
@@ -71,9 +71,9 @@ impl Instance {
     pub fn begin_step<B: Basis>(&mut self, asset: &Asset<B>, start: &StepStart<'_>) {
         let watch = Stopwatch::start();
         let (motion, feature) = (&mut self.motion, &mut self.feature);
-        let (touching, drawn) = (&mut self.touching, &self.drawn);
+        let (touching, posed_skin) = (&mut self.touching, &self.posed_skin);
         self.step
-            .begin(asset, start, motion, feature, touching, drawn);
+            .begin(asset, start, motion, feature, touching, posed_skin);
         self.timings = EvaluationTimings {
             force: watch.ms(),
             ..EvaluationTimings::default()
@@ -184,12 +184,12 @@ impl Instance {
             let skinning = asset.skin.skinning.row(v);
             let side = (skinning, asset.skin.basis.row(v));
             let unposed = step.skin_unposed(asset, v, &motion.handles);
-            let (of_skin, of_carrier) = out.split_at_mut(2 * side.0.len() + side.1.len());
+            let (of_skin, of_body) = out.split_at_mut(2 * side.0.len() + side.1.len());
             skin_levers(side, joints, frames, unposed, direction, of_skin);
-            if let Some(carrier) = contact.carrier {
+            if let Some(body) = contact.body {
                 let point = contact_point(skinning, joints, frames, unposed);
-                let levers = carrier_levers(&frames[carrier as usize], point, direction);
-                of_carrier[..2].copy_from_slice(&levers);
+                let levers = body_levers(&frames[body as usize], point, direction);
+                of_body[..2].copy_from_slice(&levers);
             }
         });
         self.contact_rows

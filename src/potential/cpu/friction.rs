@@ -22,8 +22,8 @@ pub struct Lagged {
     /// Which collider.
     pub collider: u32,
     /// The frame that carries it.
-    pub carrier: Option<u32>,
-    /// a: where the vertex was at tⁿ in the collider's (or its carrier's) frame, m.
+    pub body: Option<u32>,
+    /// a: where the vertex was at tⁿ in the collider's (or its body's) frame, m.
     pub anchor: DVec3,
     /// nⁿ, in the same axes: a unit vector.
     pub normal: DVec3,
@@ -89,7 +89,7 @@ pub fn rows(lagged: &Lagged, slip: &Slip, smoothing: f64) -> [ContactRow; 2] {
     };
     let row = |direction, force, stiffness| ContactRow {
         vertex: lagged.vertex,
-        carrier: lagged.carrier,
+        body: lagged.body,
         direction,
         force: lagged.limit * force,
         stiffness: lagged.limit * stiffness,
@@ -127,7 +127,7 @@ mod tests {
         let lagged = Lagged {
             vertex: 0,
             collider: 0,
-            carrier: None,
+            body: None,
             anchor: DVec3::ZERO,
             normal: DVec3::Z,
             limit: 2.0,

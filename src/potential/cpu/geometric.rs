@@ -4,7 +4,7 @@
 //! (ω_j, ω_j): ½ (f a_jᵀ + a_j fᵀ) − (f·a_j) I      (ω_j, φ_h): −w_j [f]× R_j N_h
 //! ```
 //!
-//! and, seen from a carrier, z = exp(−\[δω\]) (x − c): (ω, ω) as a bone's with r = x − c, (ω, b): \[f\]× ∂z/∂q_b.
+//! and, seen from a body, z = exp(−\[δω\]) (x − c): (ω, ω) as a bone's with r = x − c, (ω, b): \[f\]× ∂z/∂q_b.
 //! With them the Hessian may be indefinite. Rows read back from a GPU are assembled here as well.
 
 use super::Basis;
@@ -59,11 +59,11 @@ pub fn add_geometric<B: Basis>(
             add(omega, space.handle_block(n.handle()), mixed);
         }
     }
-    let Some(carrier) = row.carrier else { return };
-    let c = space.frame_block(carrier as usize);
+    let Some(body) = row.body else { return };
+    let c = space.frame_block(body as usize);
     let omega = c + 1;
     let point = position(vertex.skinning, joints, frames, vertex.unposed);
-    let r = point - frames[carrier as usize].position;
+    let r = point - frames[body as usize].position;
     add(omega, omega, turned(f, r));
     add(omega, c, -skew(f));
     for w in vertex.skinning {

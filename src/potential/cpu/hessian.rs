@@ -83,19 +83,19 @@ impl ContactRows {
     }
 }
 
-/// The blocks of each contact: the vertex's own in local order, then the carrier's c and ω.
+/// The blocks of each contact: the vertex's own in local order, then the body's c and ω.
 fn for_each_block(contacts: &[ContactRow], skin: &Incidence, mut f: impl FnMut(u32, u32, usize)) {
     for (contact, k) in contacts.iter().zip(0..) {
         let blocks = skin.blocks(contact.vertex as usize);
-        let carrier = contact.carrier.into_iter().flat_map(|c| [2 * c, 2 * c + 1]);
-        for (block, local) in blocks.iter().copied().chain(carrier).zip(0..) {
+        let body = contact.body.into_iter().flat_map(|c| [2 * c, 2 * c + 1]);
+        for (block, local) in blocks.iter().copied().chain(body).zip(0..) {
             f(k, local, block as usize);
         }
     }
 }
 
 /// Adds the contacts' parts, f ℓ and k ℓ_a ℓ_bᵀ, of block row `row`; `levers` holds `stride` for each
-/// contact: the vertex's ([`super::contact::skin_levers`]), then the carrier's.
+/// contact: the vertex's ([`super::contact::skin_levers`]), then the body's.
 pub fn gather_contacts(
     rows: &ContactRows,
     row: usize,
@@ -128,11 +128,11 @@ pub fn gather_contacts(
                 }
             }
         }
-        let Some(carrier) = contact.carrier else {
+        let Some(body) = contact.body else {
             continue;
         };
         let columns = pattern.columns().row(row);
-        for (column, &other) in (2 * carrier..2 * carrier + 2).zip(&levers[blocks.len()..]) {
+        for (column, &other) in (2 * body..2 * body + 2).zip(&levers[blocks.len()..]) {
             if column as usize <= row {
                 add_column(columns.partition_point(|&c| c < column), other);
             }

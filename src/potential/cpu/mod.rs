@@ -141,7 +141,7 @@ impl<B: Basis> CpuPotential<B> {
         if !start.tissue_gravity.is_finite() {
             return Err(Error::invalid("tissue_gravity", "is not finite"));
         }
-        start.validate_contact(&self.asset.carriers)
+        start.validate_contact(&self.asset.body_frames)
     }
 }
 
@@ -244,7 +244,7 @@ impl<B: Basis> Potential for CpuPotential<B> {
         let asset = &self.asset;
         in_pool(|| {
             par_each(&mut self.instances, 1, |i, instance| {
-                instance.drawn.pose(asset, &states[i]);
+                instance.posed_skin.pose(asset, &states[i]);
             });
         });
         Ok(())
@@ -256,12 +256,12 @@ impl<B: Basis> Potential for CpuPotential<B> {
         positions: &mut Vec<DVec3>,
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
-        let Some(Instance { drawn, .. }) = self.instances.get(instance) else {
+        let Some(Instance { posed_skin, .. }) = self.instances.get(instance) else {
             let problem = format!("{instance} of {}", self.instances.len());
             return Err(Error::invalid("instance", problem));
         };
-        positions.clone_from(&drawn.positions);
-        normals.clone_from(&drawn.normals);
+        positions.clone_from(&posed_skin.positions);
+        normals.clone_from(&posed_skin.normals);
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// Positions (m, world) and unit normals, and the rest shape they came from.
 #[derive(Default)]
-pub(super) struct Drawn {
+pub(super) struct PosedSkin {
     /// The pose feature of `rest`.
     feature: Vec<f64>,
     /// x̄ of the drawn pose: the next step starts from it, as a rule.
@@ -18,7 +18,7 @@ pub(super) struct Drawn {
     pub normals: Vec<DVec3>,
 }
 
-impl Drawn {
+impl PosedSkin {
     /// x̄ of the skin in the pose of `feature`, if that was drawn last.
     pub fn rest_of(&self, feature: &[f64]) -> Option<&[DVec3]> {
         let drawn = !self.rest.is_empty() && self.feature == feature;

@@ -27,9 +27,9 @@ impl GpuPotential {
                 }
                 .into());
             }
-            start.validate_contact(&self.carriers)?;
+            start.validate_contact(&self.body_frames)?;
             // Once there was friction, every start's list is made anew.
-            self.rubs |= start.colliders.iter().any(|c| c.friction > 0.0);
+            self.has_friction |= start.colliders.iter().any(|c| c.friction > 0.0);
         }
         self.batch.clear();
         self.features.clear();
@@ -85,12 +85,12 @@ impl GpuPotential {
             chunk: 0,
             states: self.batch.len() as u32,
         };
-        let rubs = self.rubs;
+        let has_friction = self.has_friction;
         let damped = self.avatar.damping_time > 0.0;
         // Usually a step starts from the pose that was just drawn: then x̄ of the skin is there already.
-        let drawn = self.is_drawn();
+        let drawn = self.is_posed();
         if drawn {
-            self.copy_drawn_rest();
+            self.copy_posed_rest();
         }
         self.submit(
             |stages, pass| {
@@ -103,7 +103,7 @@ impl GpuPotential {
                     stages.elasticity.dispatch(pass, batch);
                 }
                 stages.contact.dispatch(pass, batch);
-                if rubs {
+                if has_friction {
                     stages.contact.dispatch_lagged(pass, batch);
                     stages.friction.dispatch_lag(pass, batch);
                 }
@@ -114,23 +114,23 @@ impl GpuPotential {
     }
 
     /// Whether every state of the batch has the pose features that its instance was last drawn with.
-    fn is_drawn(&self) -> bool {
+    fn is_posed(&self) -> bool {
         if self.features.is_empty() || self.batch.is_empty() {
             return false;
         }
         let features = self.features.len() / self.batch.len();
         (self.batch.iter())
             .zip(self.features.chunks_exact(features))
-            .all(|(state, features)| self.drawn_features[state.instance as usize] == features)
+            .all(|(state, features)| self.posed_features[state.instance as usize] == features)
     }
 
     /// Takes x̄ of the drawn skin over for the instances of the batch.
-    fn copy_drawn_rest(&self) {
+    fn copy_posed_rest(&self) {
         let bytes = 16 * self.avatar.skin.len() as u64;
         let mut encoder = self.device.create_command_encoder(&Default::default());
         for state in &self.batch {
             let at = u64::from(state.instance) * bytes;
-            let (from, to) = (&self.buffers.drawn_unposed, &self.buffers.skin.unposed);
+            let (from, to) = (&self.buffers.posed_skin_unposed, &self.buffers.skin.unposed);
             encoder.copy_buffer_to_buffer(from.raw(), at, to.raw(), at, bytes);
         }
         self.queue.submit([encoder.finish()]);

@@ -49,7 +49,7 @@ pub(super) struct Buffers {
     pub cubature: PointBuffers,
     pub skin: PointBuffers,
     /// x̄ of the drawn skin.
-    pub drawn_unposed: Buffer<[f32; 4]>,
+    pub posed_skin_unposed: Buffer<[f32; 4]>,
     pub chunks: Buffer<[u32; 64]>,
     pub tissue: Buffer<LocalTissue>,
     pub gradients: Buffer<HandleGradient>,
@@ -58,8 +58,8 @@ pub(super) struct Buffers {
     pub pattern: Buffer<PatternBlock>,
     pub gather_pairs: Buffer<u32>,
     pub vertex_blocks: Buffer<u32>,
-    pub fan_rows: Buffer<u32>,
-    pub fan_edges: Buffer<[u32; 2]>,
+    pub one_ring_rows: Buffer<u32>,
+    pub one_ring_edges: Buffer<[u32; 2]>,
     // Written by the host.
     pub batch: Buffer<BatchState>,
     pub features: Buffer<f32>,
@@ -105,7 +105,7 @@ impl Buffers {
         let space = avatar.space();
         let result_stride = space.dofs() + 9 * tables.pattern.len();
         let rows = row_room(options.contacts);
-        // A vertex's own and a carrier's.
+        // A vertex's own and a body's.
         let contact_blocks = skin.blocks.longest() + 2;
         // The largest scratch buffers of one state decide how many go at once.
         let scratch = [
@@ -190,7 +190,7 @@ impl Buffers {
             result_stride,
             cubature: point_buffers(cubature, constants, "cubature points")?,
             skin: point_buffers(skin, skin_constants, "skin points")?,
-            drawn_unposed: zeroed!("drawn_unposed", instances * vertices),
+            posed_skin_unposed: zeroed!("posed_skin_unposed", instances * vertices),
             chunks,
             tissue: holding!("tissue", &local_tissue(avatar)),
             gradients: holding!("handle_gradients", &cubature.gradients),
@@ -199,8 +199,8 @@ impl Buffers {
             pattern: holding!("pattern", &tables.pattern_blocks),
             gather_pairs: holding!("gather_pairs", &tables.gather_pairs),
             vertex_blocks: holding!("vertex_blocks", &tables.vertex_blocks),
-            fan_rows: holding!("fan_rows", tables.fan.offsets()),
-            fan_edges: holding!("fan_edges", tables.fan.entries()),
+            one_ring_rows: holding!("one_ring_rows", tables.one_ring.offsets()),
+            one_ring_edges: holding!("one_ring_edges", tables.one_ring.entries()),
             batch: zeroed!("batch", states),
             features: zeroed!("pose_features", states * features),
             frames: zeroed!("frames", slots * space.frames),
@@ -233,12 +233,12 @@ impl Buffers {
     }
 
     /// The buffer that kernels over the cubature, else over the skin, call `name`; `skin_unposed` and
-    /// `drawn_unposed` are the x̄ of the skin.
+    /// `posed_skin_unposed` are the x̄ of the skin.
     pub fn intermediate(&self, name: &str) -> Option<&wgpu::Buffer> {
         match name {
             "unposed" => Some(self.cubature.unposed.raw()),
             "skin_unposed" => Some(self.skin.unposed.raw()),
-            "drawn_unposed" => Some(self.drawn_unposed.raw()),
+            "posed_skin_unposed" => Some(self.posed_skin_unposed.raw()),
             "pose_features" => Some(self.features.raw()),
             "frames" => Some(self.frames.raw()),
             "handles" => Some(self.handles.raw()),
@@ -274,8 +274,8 @@ impl Buffers {
             .with("pattern", self.pattern.raw())
             .with("gather_pairs", self.gather_pairs.raw())
             .with("vertex_blocks", self.vertex_blocks.raw())
-            .with("fan_rows", self.fan_rows.raw())
-            .with("fan_edges", self.fan_edges.raw())
+            .with("one_ring_rows", self.one_ring_rows.raw())
+            .with("one_ring_edges", self.one_ring_edges.raw())
             .with("frames", self.frames.raw())
             .with("handles", self.handles.raw())
             .with("colliders", self.colliders.raw())
@@ -325,7 +325,8 @@ impl Buffers {
 
     /// For kernels over the skin that is drawn, whose x̄ follows its own pose.
     pub fn over_drawn_skin(&self) -> Bindings<'_> {
-        self.over_skin().with("unposed", self.drawn_unposed.raw())
+        self.over_skin()
+            .with("unposed", self.posed_skin_unposed.raw())
     }
 }
 

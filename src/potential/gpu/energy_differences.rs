@@ -61,7 +61,7 @@ impl GpuPotential {
                 |stages, pass| {
                     stages.displacement.dispatch(pass, batch(self.batch.len()));
                     stages.contact.dispatch(pass, batch(self.batch.len()));
-                    if self.rubs {
+                    if self.has_friction {
                         stages.friction.dispatch(pass, batch(self.batch.len()));
                     }
                     stages.energy.dispatch(pass, batch(trials.len()));

@@ -66,7 +66,7 @@ impl GpuPotential {
                     stages.displacement.dispatch(pass, batch);
                     stages.elasticity.dispatch(pass, batch);
                     stages.contact.dispatch(pass, batch);
-                    if self.rubs {
+                    if self.has_friction {
                         stages.friction.dispatch(pass, batch);
                     }
                     stages.compact.dispatch(pass, batch);

@@ -34,7 +34,7 @@ impl GpuPotential {
         let mut rows = contacts
             .chunks_exact(size_of::<Contact>())
             .map(bytemuck::pod_read_unaligned::<Contact>);
-        let count = rows.next().map_or(0, |header| header.carrier);
+        let count = rows.next().map_or(0, |header| header.body);
         for row in rows.take(count as usize).filter(|row| row.force != 0.0) {
             let v = row.vertex as usize;
             let mut rest = [DVec3::ZERO];
@@ -47,7 +47,7 @@ impl GpuPotential {
             };
             let row = ContactRow {
                 vertex: row.vertex,
-                carrier: row.carrier.checked_sub(1),
+                body: row.body.checked_sub(1),
                 direction: Vec3::from_array(row.direction).as_dvec3(),
                 force: row.force.into(),
                 stiffness: row.stiffness.into(),

@@ -45,7 +45,7 @@ impl PoseBlend {
     }
 
     /// x̄ of what is drawn.
-    pub fn dispatch_drawn(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    pub fn dispatch_posed_skin(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.drawn_skin, pass, self.vertex_groups);
     }
 }

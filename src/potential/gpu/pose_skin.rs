@@ -25,8 +25,8 @@ impl GpuPotential {
             self.push(header, state, state, origin);
             let first = self.features.len();
             self.push_features(state);
-            self.drawn_features[i].clear();
-            self.drawn_features[i].extend_from_slice(&self.features[first..]);
+            self.posed_features[i].clear();
+            self.posed_features[i].extend_from_slice(&self.features[first..]);
         }
         (self.buffers.features).write(&self.queue, 0, &self.features);
         self.upload(instances);
@@ -36,7 +36,7 @@ impl GpuPotential {
         };
         self.submit(
             |stages, pass| {
-                stages.pose_blend.dispatch_drawn(pass, batch);
+                stages.pose_blend.dispatch_posed_skin(pass, batch);
                 stages.skin.dispatch(pass, batch);
                 stages.normals.dispatch(pass, batch);
             },
@@ -46,7 +46,7 @@ impl GpuPotential {
     }
 
     /// Copies an instance's skin out of it.
-    pub(super) async fn read_drawn(
+    pub(super) async fn read_posed_skin(
         &mut self,
         instance: usize,
         positions: &mut Vec<DVec3>,

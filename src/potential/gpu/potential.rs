@@ -98,9 +98,9 @@ pub struct GpuPotential {
     pub(super) avatar: Arc<Avatar>,
     pub(super) pattern: BlockPattern,
     /// Frames that may carry colliders.
-    pub(super) carriers: Vec<u32>,
+    pub(super) body_frames: Vec<u32>,
     /// Whether any collider has had friction so far.
-    pub(super) rubs: bool,
+    pub(super) has_friction: bool,
     pub(super) options: GpuOptions,
     pub(super) buffers: Buffers,
     pub(super) stages: Stages,
@@ -109,7 +109,7 @@ pub struct GpuPotential {
     pub(super) starts: Vec<Option<Start>>,
     pub(super) skin_origins: Vec<DVec3>,
     /// Pose features of each instance's drawn skin; empty before it is drawn.
-    pub(super) drawn_features: Vec<Vec<f32>>,
+    pub(super) posed_features: Vec<Vec<f32>>,
     // What the next submission uploads; kept to spare allocations.
     pub(super) batch: Vec<BatchState>,
     pub(super) frames: Vec<Frame>,
@@ -164,15 +164,15 @@ impl GpuPotential {
             skin_readback: readback("skin", skin_bytes),
             starts: vec![None; instances],
             skin_origins: vec![DVec3::ZERO; instances],
-            drawn_features: vec![Vec::new(); instances],
+            posed_features: vec![Vec::new(); instances],
             batch: Vec::with_capacity(buffers.capacity.states),
             frames: Vec::with_capacity(buffers.frames.len()),
             handles: Vec::with_capacity(buffers.handles.len()),
             colliders: Vec::with_capacity(options.colliders),
             features: Vec::with_capacity(buffers.features.len()),
             pattern: tables.pattern,
-            carriers: avatar.carriers(),
-            rubs: false,
+            body_frames: avatar.body_frames(),
+            has_friction: false,
             name: device.adapter_info().name,
             device: device.clone(),
             queue: queue.clone(),
@@ -286,6 +286,6 @@ impl Potential for GpuPotential {
         positions: &mut Vec<DVec3>,
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
-        self.read_drawn(instance, positions, normals).await
+        self.read_posed_skin(instance, positions, normals).await
     }
 }

@@ -25,8 +25,8 @@ const STAGES: &[(&str, Dispatch)] = &[
     }),
     ("hessian", |s, pass, b| s.hessian.dispatch(pass, b)),
     ("energy", |s, pass, b| s.energy.dispatch(pass, b)),
-    ("drawn pose_blend", |s, pass, b| {
-        s.pose_blend.dispatch_drawn(pass, b)
+    ("posed pose_blend", |s, pass, b| {
+        s.pose_blend.dispatch_posed_skin(pass, b)
     }),
     ("skin", |s, pass, b| s.skin.dispatch(pass, b)),
     ("normals", |s, pass, b| s.normals.dispatch(pass, b)),

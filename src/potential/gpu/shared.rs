@@ -198,7 +198,7 @@ host_shareable! {
         /// μ.
         pub friction: f32,
         /// 1 + the frame that carries it, 0 where its motion is given.
-        pub carrier: u32,
+        pub body: u32,
         /// R − Rⁿ, where its motion is given.
         pub rotation_change: Mat3,
         /// c − cⁿ, m, where its motion is given.
@@ -218,7 +218,7 @@ host_shareable! {
         /// Skin vertex.
         pub vertex: u32,
         /// 1 + the frame that carries the collider, 0 where its motion is given.
-        pub carrier: u32,
+        pub body: u32,
         /// Padding.
         pub _pad: u32,
     }
@@ -236,7 +236,7 @@ host_shareable! {
         /// u at qⁿ, m.
         pub start: [f32; 3],
         /// As a collider's.
-        pub carrier: u32,
+        pub body: u32,
         /// Collider of the instance.
         pub collider: u32,
         /// Padding.

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// Blocks that may move one cubature point: `MAX_BLOCKS` of point_hessian.wgsl.
 const MAX_POINT_BLOCKS: usize = 192;
-/// Blocks that may move one skin vertex: places are bytes, 0 meaning none, and the last two a carrier's.
+/// Blocks that may move one skin vertex: places are bytes, 0 meaning none, and the last two a body's.
 const MAX_VERTEX_BLOCKS: usize = 253;
 
 pub(super) fn round(v: DVec3) -> [f32; 3] {
@@ -102,7 +102,7 @@ pub(super) struct Tables {
     /// Place + 1 of every block in a vertex's own order, four bytes a word; 0 where it does not move it.
     pub vertex_blocks: Vec<u32>,
     /// For every vertex, the other two corners of each triangle around it.
-    pub fan: Rows<[u32; 2]>,
+    pub one_ring: Rows<[u32; 2]>,
 }
 
 impl Tables {
@@ -111,7 +111,7 @@ impl Tables {
         let cubature = PointTable::new(space, &avatar.cubature, "cubature", MAX_POINT_BLOCKS)?;
         let skin = PointTable::new(space, &avatar.skin, "skin", MAX_VERTEX_BLOCKS)?;
         let pattern = BlockPattern::new(space, &[&avatar.cubature, &avatar.skin])
-            .with_carriers(&avatar.carriers(), &skin.blocks);
+            .with_bodies(&avatar.body_frames(), &skin.blocks);
 
         let mut gather = vec![Vec::new(); space.blocks()];
         for (local, &block) in cubature.blocks.entries().iter().enumerate() {
@@ -156,10 +156,10 @@ impl Tables {
             }
         }
 
-        let mut fan = vec![Vec::new(); skin.points.len()];
+        let mut one_ring = vec![Vec::new(); skin.points.len()];
         for &[a, b, c] in &avatar.triangles {
             for (v, edge) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
-                fan[v as usize].push(edge);
+                one_ring[v as usize].push(edge);
             }
         }
         Ok(Self {
@@ -170,7 +170,7 @@ impl Tables {
             pattern_blocks,
             gather_pairs,
             vertex_blocks,
-            fan: fan.into_iter().collect(),
+            one_ring: one_ring.into_iter().collect(),
         })
     }
 }

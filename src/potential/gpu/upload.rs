@@ -64,8 +64,8 @@ pub(super) fn collider(
         position: frame.transform(first),
         ..frame
     };
-    // What is carried stands in its carrier's frame all the time.
-    let still = collider.carrier.is_some();
+    // What is carried stands in its body's frame all the time.
+    let still = collider.body.is_some();
     let frame = at_first(seen.frame);
     let previous = if still {
         frame
@@ -81,7 +81,7 @@ pub(super) fn collider(
         margin: collider.margin as f32,
         shape: collider.shape.index(),
         friction: collider.friction as f32,
-        carrier: collider.carrier.map_or(0, |frame| frame + 1),
+        body: collider.body.map_or(0, |frame| frame + 1),
         rotation_change: columns(frame.rotation - previous.rotation),
         position_change: round(frame.position - previous.position),
         ..Collider::default()

@@ -79,10 +79,10 @@ const MUTANTS: &[Mutant] = &[
     ("elasticity", "shared/tensor.wgsl", "c.c10 * a[0] + c.c11 * a[1] + a[2] * c.c21", "c.c10 * a[0] + c.c11 * a[1] + c.c21 * a[2]"),
     // contact
     ("contact", "contact.wgsl", "(p - position) * rotation", "rotation * (p - position)"),
-    ("contact", "contact.wgsl", "rotation = carrier.rotation * collider.rotation", "rotation = collider.rotation * carrier.rotation"),
-    ("contact", "contact.wgsl", "carrier.rotation * collider.position + carrier.position", "collider.position + carrier.position"),
+    ("contact", "contact.wgsl", "rotation = body.rotation * collider.rotation", "rotation = collider.rotation * body.rotation"),
+    ("contact", "contact.wgsl", "body.rotation * collider.position + body.position", "collider.position + body.position"),
     ("contact", "contact.wgsl", ".index == bone", ".index == bone + 100u"),
-    ("contact", "contact.wgsl", "state.slot * constants.bones + collider.carrier - 1u", "collider.carrier - 1u"),
+    ("contact", "contact.wgsl", "state.slot * constants.bones + collider.body - 1u", "collider.body - 1u"),
     ("contact", "contact.wgsl", "point.measure == 0.0", "point.measure < 0.0"),
     ("contact", "contact.wgsl", "collider.margin - d.distance", "d.distance - collider.margin"),
     ("contact", "contact.wgsl", "vec4(rotation * d.normal", "vec4(d.normal"),
@@ -110,8 +110,8 @@ const MUTANTS: &[Mutant] = &[
     ("friction", "friction.wgsl", "return colliders[collider].friction > 0.0 &&", "return"),
     ("friction", "friction.wgsl", "unposed[state.instance * constants.points + contact.vertex];\n    let moved", "unposed[contact.vertex];\n    let moved"),
     ("friction", "friction.wgsl", "let vertex = pair / state.colliders", "let vertex = pair % state.colliders"),
-    ("friction", "friction.wgsl", "(p - carrier.position) * carrier.rotation", "carrier.rotation * (p - carrier.position)"),
-    ("friction", "friction.wgsl", "contact.normal * carrier.rotation", "contact.normal"),
+    ("friction", "friction.wgsl", "(p - body.position) * body.rotation", "body.rotation * (p - body.position)"),
+    ("friction", "friction.wgsl", "contact.normal * body.rotation", "contact.normal"),
     ("friction", "friction.wgsl", "(p - collider.position) * collider.rotation", "p * collider.rotation"),
     ("friction", "friction.wgsl", "collider.rotation * n + collider.rotation_change * n", "collider.rotation * n"),
     ("friction", "friction.wgsl", "-(collider.rotation_change * a + collider.position_change)", "-collider.position_change"),
@@ -133,7 +133,7 @@ const MUTANTS: &[Mutant] = &[
     ("compact", "compact.wgsl", "Contact(cross(n, along), 0.0, slopes.x", "Contact(cross(n, along), 0.0, slopes.y"),
     ("compact", "compact.wgsl", "slips[state.slot * constants.contacts + id.x]", "slips[id.x]"),
     ("compact", "compact.wgsl", "contact_rows[last - 1u] = -n", "contact_rows[last - 1u] = n"),
-    ("compact", "compact.wgsl", "-cross(p - carrier.position, n)", "-cross(p, n)"),
+    ("compact", "compact.wgsl", "-cross(p - body.position, n)", "-cross(p, n)"),
     ("compact", "compact.wgsl", "constants.contact_blocks - 1u + block % 2u", "constants.contact_blocks - block % 2u"),
     ("compact", "shared/friction.wgsl", "return u - dot(n, u) * n", "return u + dot(n, u) * n"),
     ("compact", "shared/friction.wgsl", "2.0 * rest / smoothing", "rest / smoothing"),
@@ -207,7 +207,7 @@ const MUTANTS: &[Mutant] = &[
     // normals
     ("normals", "normals.wgsl", "n += cross", "n -= cross"),
     ("normals", "normals.wgsl", "skin_vertices[first + edge.y].position - v)", "skin_vertices[first + edge.y].position)"),
-    ("normals", "normals.wgsl", "var k = fan_rows[i]", "var k = fan_rows[i] + 1u"),
+    ("normals", "normals.wgsl", "var k = one_ring_rows[i]", "var k = one_ring_rows[i] + 1u"),
     ("normals", "normals.wgsl", "n / length", "n"),
 ];
 

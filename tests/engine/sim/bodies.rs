@@ -103,7 +103,7 @@ fn a_thrown_box_keeps_its_momenta() -> Result<()> {
         let instance = &mut simulation.instances_mut()[0];
         instance.gravity = DVec3::ZERO;
         let (velocity, spin) = (DVec3::new(0.4, 1.0, 2.0), DVec3::new(6.0, -3.0, 5.0));
-        instance.throw(1, away(), velocity, spin, h);
+        instance.set_motion(1, away(), velocity, spin, h);
         let now = |simulation: &Simulation<CpuPotential>| {
             let instance = &simulation.instances()[0];
             let (before, after) = (&instance.previous, &instance.state);

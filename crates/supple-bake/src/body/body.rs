@@ -4,7 +4,7 @@ use crate::body::{attachment::Attachment, parametric::ParametricModel};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use supple::internal::math::Rows;
-use supple::model::{DrawnPart, PoseBlend, Skeleton, SkinWeight, Surface, TetMesh};
+use supple::model::{PoseBlend, RenderMesh, Skeleton, SkinWeight, Surface, TetMesh};
 use supple::{Error, Result};
 
 /// The meshed volume between bones and skin.
@@ -95,7 +95,7 @@ pub struct Body {
     /// What is drawn with the skin and is not part of it: clothes, hair, eyes.
     pub attachments: Vec<Attachment>,
     /// How the body's file draws it, seams and all; none where it is drawn as it is.
-    pub drawn: Vec<DrawnPart>,
+    pub render_meshes: Vec<RenderMesh>,
 }
 
 impl Body {
@@ -129,7 +129,7 @@ impl Body {
             layer: LayerMesh::default(),
             painted: BTreeMap::new(),
             attachments: Vec::new(),
-            drawn: Vec::new(),
+            render_meshes: Vec::new(),
         }
     }
 
@@ -194,7 +194,7 @@ impl Body {
         let attached = |a: &Attachment| a.surface.positions.len();
         let body_vertices = vertices + self.attachments.iter().map(attached).sum::<usize>();
         (self.attachments.iter()).try_for_each(|a| a.validate(bones))?;
-        (self.drawn.iter()).try_for_each(|d| d.validate(body_vertices))?;
+        (self.render_meshes.iter()).try_for_each(|d| d.validate(body_vertices))?;
         for (name, values) in &self.painted {
             check(
                 values.len() == vertices && values.iter().all(|v| v.is_finite()),

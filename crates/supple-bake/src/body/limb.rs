@@ -203,7 +203,7 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
         },
         painted: Default::default(),
         attachments: Vec::new(),
-        drawn: Vec::new(),
+        render_meshes: Vec::new(),
     };
     body.validate()?;
     Ok(body)

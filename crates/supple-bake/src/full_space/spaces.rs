@@ -53,7 +53,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         skin,
         triangles: avatar.triangles.clone(),
         attached: avatar.attached.clone(),
-        drawn: avatar.drawn.clone(),
+        render_meshes: avatar.render_meshes.clone(),
         material: avatar.material,
         tissue: layer.tissue.clone(),
         density: avatar.density,

@@ -13,7 +13,7 @@ use crate::weld::{CUT_WEIGHTS, DRAWN_WEIGHTS, Vertices};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use supple::Result;
-use supple::model::{DrawnPart, PoseBlend, SkinWeight, Surface};
+use supple::model::{PoseBlend, RenderMesh, SkinWeight, Surface};
 use supple_bake::{Body, LayerMesh};
 
 /// What a file's scene shows, and the bones that move it.
@@ -49,7 +49,7 @@ impl<'a> Scene<'a> {
             }
         }
         let broken = |problem: String| self.file.broken("meshes", problem);
-        if soup.drawn.is_empty() {
+        if soup.render_meshes.is_empty() {
             return Err(broken(
                 "the scene shows no triangles that bones move".into(),
             ));
@@ -94,7 +94,7 @@ struct Soup {
     shapes: Vec<(String, f64)>,
     painted: BTreeMap<String, Vec<f64>>,
     /// Its vertices number this list.
-    drawn: Vec<DrawnPart>,
+    render_meshes: Vec<RenderMesh>,
     /// Parts that no bone moves.
     boneless: Vec<String>,
     cancelled: usize,
@@ -137,7 +137,7 @@ impl Soup {
             all.resize(first, 0.0);
             all.extend(values);
         }
-        self.drawn.push(DrawnPart {
+        self.render_meshes.push(RenderMesh {
             name: part.name.clone(),
             material: part.material.clone(),
             vertices: (first as u32..self.positions.len() as u32).collect(),
@@ -196,7 +196,11 @@ impl Soup {
         }
         let physical: Vec<u32> = drawn.iter().map(|&v| cuts[v as usize]).collect();
         let triangles = self.triangles(&physical);
-        for v in self.drawn.iter_mut().flat_map(|part| &mut part.vertices) {
+        for v in self
+            .render_meshes
+            .iter_mut()
+            .flat_map(|part| &mut part.vertices)
+        {
             let first = drawn[*v as usize] as usize;
             let copy = cuts[first] as usize != first;
             *v = number[first] + if copy { skin.len() as u32 } else { 0 };
@@ -232,7 +236,7 @@ impl Soup {
             layer: LayerMesh::default(),
             painted: self.painted,
             attachments: Vec::new(),
-            drawn: self.drawn,
+            render_meshes: self.render_meshes,
         };
         let copies = (copies.into_iter())
             .map(|v| (number[cuts[v] as usize], self.skinning[v].clone()))
@@ -247,7 +251,7 @@ impl Soup {
     /// All triangles of the vertices that `first` makes of each, once each, without flat ones.
     fn triangles(&self, first: &[u32]) -> Vec<[u32; 3]> {
         let mut seen = BTreeSet::new();
-        let all = self.drawn.iter().flat_map(|part| {
+        let all = self.render_meshes.iter().flat_map(|part| {
             let vertex = |v: u32| first[part.vertices[v as usize] as usize];
             part.triangles.iter().map(move |t| t.map(vertex))
         });

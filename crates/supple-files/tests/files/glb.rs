@@ -8,8 +8,8 @@ use supple::{
     glam,
     glam::{DMat4, DQuat, DVec3, Vec3},
 };
-use supple_files::{GlbReport, Prop, Recording, write_glb};
 use supple_files::solid_surface;
+use supple_files::{GlbReport, Prop, Recording, write_glb};
 
 /// States that blend smoothly between a few random ones, as a motion does.
 fn recording(avatar: &Avatar, states: usize) -> Recording {

@@ -193,7 +193,7 @@ fn body(size: f64) -> Body {
         layer: LayerMesh::default(),
         painted: BTreeMap::new(),
         attachments: Vec::new(),
-        drawn: Vec::new(),
+        render_meshes: Vec::new(),
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::surface;
 
+use crate::SampleHand;
 use std::sync::OnceLock;
 use supple::glam::{DMat3, DVec3};
 use supple::model::Surface;
 use supple_bake::ParametricModel;
-use crate::SampleHand;
 use surface::{
     Grid, assert_closed_sphere, components, crossing, dense_weights, distance_to_triangle, edges,
     is_manifold, self_intersections, smallest_angle, winding_number,

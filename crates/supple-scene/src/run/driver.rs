@@ -110,7 +110,7 @@ impl Driver {
         instance.gravity = self.gravity;
         for (i, body) in self.bodies.iter().enumerate() {
             let (frame, h) = (avatar.body_frame(i), self.time_step);
-            instance.throw(frame, self.start[frame], body.velocity, body.spin(), h);
+            instance.set_motion(frame, self.start[frame], body.velocity, body.spin(), h);
         }
         let pin = |(bone, motion): &(usize, Motion)| Pin {
             bone: *bone,

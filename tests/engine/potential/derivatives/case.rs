@@ -55,11 +55,11 @@ fn rough(random: &mut Random) -> Vec<Collider> {
     colliders
 }
 
-/// The same, every other one fixed to the frame `carrier`, which stands at the avatar's place.
-pub fn carried(random: &mut Random, carrier: u32) -> Vec<Collider> {
+/// The same, every other one fixed to the frame `body`, which stands at the avatar's place.
+pub fn carried(random: &mut Random, body: u32) -> Vec<Collider> {
     let mut colliders = rough(random);
     for collider in colliders.iter_mut().step_by(2) {
-        collider.carrier = Some(carrier);
+        collider.body = Some(body);
         collider.frame.position -= DVec3::new(1.0, 2.0, 3.0);
     }
     colliders

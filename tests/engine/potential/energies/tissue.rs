@@ -178,13 +178,13 @@ impl Tissue {
         };
         let mut colliders = setup.colliders;
         if setup.body {
-            let carrier = avatar.skeleton.len() as u32;
+            let body = avatar.skeleton.len() as u32;
             avatar.skeleton.names.push("body".into());
             avatar.skeleton.parents.push(None);
             avatar.skeleton.joints.push(DVec3::new(0.01, -0.02, 0.03));
             avatar.bone_masses.push(avatar.bone_masses[0]);
             for collider in colliders.iter_mut().step_by(2) {
-                collider.carrier = Some(carrier);
+                collider.body = Some(body);
                 collider.frame.position -= PLACE;
             }
         }

@@ -124,7 +124,7 @@ fn it_agrees_with_the_f64_evaluation() {
     let mut carried = case(3, &avatar);
     let place = carried.current.frames[body as usize];
     let collider = &mut carried.colliders[0];
-    collider.carrier = Some(body);
+    collider.body = Some(body);
     collider.frame = supple::model::Frame {
         rotation: place.rotation.transpose() * collider.frame.rotation,
         position: place.inverse_transform(collider.frame.position),

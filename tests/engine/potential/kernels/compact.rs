@@ -9,7 +9,7 @@ use super::scene::{OPTIONS_CONTACTS, Phase, Scene, vec};
 use supple::glam::DVec3;
 use supple::internal::cpu::compact as compact_twin;
 use supple::internal::cpu::contact::{
-    Candidate, ContactRow, carrier_levers, contact_point, skin_levers,
+    Candidate, ContactRow, body_levers, contact_point, skin_levers,
 };
 use supple::internal::cpu::displacement::{arms, blended_rotation, unposed_displacement};
 use supple::internal::cpu::friction as friction_twin;
@@ -20,12 +20,12 @@ use supple::potential::point_blocks;
 pub fn listed(scene: &Scene) -> Vec<ContactRow> {
     let room = 3 * OPTIONS_CONTACTS + 1;
     let mut list: Vec<shared::Contact> = scene.items(Phase::Evaluated, "contacts", INSTANCE, room);
-    let count = list.remove(0).carrier as usize;
+    let count = list.remove(0).body as usize;
     list.truncate(count);
     list.iter()
         .map(|c| ContactRow {
             vertex: c.vertex,
-            carrier: c.carrier.checked_sub(1),
+            body: c.body.checked_sub(1),
             direction: vec(c.direction),
             force: f64::from(c.force),
             stiffness: f64::from(c.stiffness),
@@ -40,20 +40,20 @@ pub fn vertex_blocks(scene: &Scene, v: usize) -> Vec<u32> {
     blocks
 }
 
-/// Places of a row: the longest vertex's and a carrier's.
+/// Places of a row: the longest vertex's and a body's.
 fn row_length(scene: &Scene) -> usize {
     let set = &scene.avatar.skin;
     let lengths = (0..set.len()).map(|v| vertex_blocks(scene, v).len());
     lengths.max().unwrap_or(0) + 2
 }
 
-/// (block, place) of everything that a row moves: the vertex's own, and the carrier's in the last places.
+/// (block, place) of everything that a row moves: the vertex's own, and the body's in the last places.
 pub fn places(scene: &Scene, contact: &ContactRow) -> Vec<(u32, usize)> {
     let last = row_length(scene) - 2;
     let own = vertex_blocks(scene, contact.vertex as usize);
-    let carrier = contact.carrier.into_iter();
-    let carrier = carrier.flat_map(|c| [(2 * c, last), (2 * c + 1, last + 1)]);
-    own.into_iter().zip(0..).chain(carrier).collect()
+    let body = contact.body.into_iter();
+    let body = body.flat_map(|c| [(2 * c, last), (2 * c + 1, last + 1)]);
+    own.into_iter().zip(0..).chain(body).collect()
 }
 
 /// Jᵀe of a listed row, by place.
@@ -85,7 +85,7 @@ pub fn compact(scene: &Scene) -> Outcome {
             "{active} contacts: the scene must have some, and room for them"
         ));
     }
-    let key = |c: &ContactRow| (c.vertex, c.carrier);
+    let key = |c: &ContactRow| (c.vertex, c.body);
     if got.len() != want.len() || !got.iter().map(key).eq(want.iter().map(key)) {
         return Err(format!(
             "{} rows listed, the twin has {}",
@@ -158,14 +158,14 @@ fn levers_agree(scene: &Scene, listed: &[ContactRow], out: &mut Comparison) {
             };
             out.vector(*row, levers[b], magnitude, roundings);
         }
-        if let Some(c) = contact.carrier {
-            let carrier = &frames[c as usize];
+        if let Some(c) = contact.body {
+            let body = &frames[c as usize];
             let point = contact_point(skinning, scene.joints(), &frames, t);
-            let [translation, rotation] = carrier_levers(carrier, point, e);
+            let [translation, rotation] = body_levers(body, point, e);
             let last = got.len() - 2;
             out.vector(got[last], translation, abs_e, 1);
             let abs_p = abs_position(scene, phase, phase.slot(), set, v, rest[v]);
-            let magnitude = abs_cross(abs_p + carrier.position.abs(), abs_e);
+            let magnitude = abs_cross(abs_p + body.position.abs(), abs_e);
             let roundings = skin_roundings(set, v) + 4;
             out.vector(got[last + 1], rotation, magnitude, roundings);
         }

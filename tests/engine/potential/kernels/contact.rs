@@ -65,12 +65,12 @@ pub fn contact(scene: &Scene) -> Outcome {
 /// Rotation and position of a collider's place with all signs plus.
 fn abs_place(collider: &Collider, frames: &[Frame]) -> (DMat3, DVec3) {
     let (r, p) = (abs(collider.frame.rotation), collider.frame.position.abs());
-    match collider.carrier {
+    match collider.body {
         None => (r, p),
         Some(c) => {
-            let carrier = &frames[c as usize];
-            let abs_carrier = abs(carrier.rotation);
-            (abs_carrier * r, abs_carrier * p + carrier.position.abs())
+            let body = &frames[c as usize];
+            let abs_body = abs(body.rotation);
+            (abs_body * r, abs_body * p + body.position.abs())
         }
     }
 }

@@ -25,7 +25,7 @@ fn abs_gradient(basis: &[BasisEntry], handles: &[DVec3]) -> DMat3 {
 }
 
 /// Each term is a polynomial of the state of degree ≤ 6 (the roundings of [`Magnitudes`] cover the others, generously),
-/// then summed in trees: six levels over a workgroup, its partial sums over 64 lanes, six levels again.
+/// then summed in trees: six levels over a workgroup, its partial sums over 64 threads, six levels again.
 pub fn energy(scene: &Scene) -> Outcome {
     energies(scene, Phase::Evaluated, INSTANCE, INSTANCE)?;
     energies(scene, Phase::Compared, 0, INSTANCES + 1)

@@ -31,12 +31,12 @@ fn grounds(scene: &Scene) -> (Vec<Frame>, Vec<FrameMotion>) {
     let all: Vec<shared::Collider> =
         scene.items(phase, "previous_colliders", INSTANCE, OPTIONS_COLLIDERS);
     let ground = |(collider, c): (&Collider, &shared::Collider)| {
-        let place = match collider.carrier {
+        let place = match collider.body {
             None => Frame {
                 rotation: mat(c.rotation),
                 position: vec(c.position),
             },
-            Some(carrier) => frames[carrier as usize],
+            Some(body) => frames[body as usize],
         };
         let motion = FrameMotion {
             rotation: place.rotation + mat(c.rotation_change),
@@ -61,7 +61,7 @@ fn unpacked(c: &shared::Lagged) -> Lagged {
     Lagged {
         vertex: c.vertex,
         collider: c.collider,
-        carrier: c.carrier.checked_sub(1),
+        body: c.body.checked_sub(1),
         anchor: vec(c.anchor),
         normal: vec(c.normal),
         limit: f64::from(c.limit),
@@ -112,7 +112,7 @@ pub fn friction(scene: &Scene) -> Outcome {
         &mut want,
     );
     let got = lagged(scene);
-    let key = |l: &Lagged| (l.vertex, l.collider, l.carrier);
+    let key = |l: &Lagged| (l.vertex, l.collider, l.body);
     if want.len() < 20
         || !got
             .iter()
@@ -134,7 +134,7 @@ pub fn friction(scene: &Scene) -> Outcome {
         let abs_normal = candidates[v * colliders.len() + k].normal.normalize().abs();
         let abs_normal = abs_rotation.transpose() * abs_normal;
         let unit = LENGTH + QUOTIENT + ROW;
-        if want.carrier.is_some() {
+        if want.body.is_some() {
             out.vector(vec(got.normal), want.normal, abs_normal, unit);
             continue;
         }
@@ -156,7 +156,7 @@ fn slips(scene: &Scene, phase: Phase, slot: usize) -> Vec<DVec3> {
     all.iter().map(|s| vec([s[0], s[1], s[2]])).collect()
 }
 
-/// u: as the displacement (basis + skinning + 8), and the difference from the carrier's ΔR a + Δc, whose own
+/// u: as the displacement (basis + skinning + 8), and the difference from the body's ΔR a + Δc, whose own
 /// path is shorter.
 fn slips_agree(scene: &Scene, got: &[shared::Lagged], out: &mut Comparison) -> Outcome {
     let set = &scene.avatar.skin;
@@ -189,7 +189,7 @@ fn slips_agree(scene: &Scene, got: &[shared::Lagged], out: &mut Comparison) -> O
             let (abs_t, abs_dt) = (rest[v].abs() + abs_of(&phi), abs_of(&change));
             let joints = minus_joints(scene);
             let mut magnitude = displacement(skinning, &joints, &abs_motions, abs_t, abs_dt);
-            if let Some(c) = contact.carrier {
+            if let Some(c) = contact.body {
                 want -= friction_twin::carried(&contact, &motions[c as usize]);
                 let anchor = Lagged {
                     anchor: contact.anchor.abs(),
@@ -216,7 +216,7 @@ pub fn slid(
     let before = base.map(|slot| (slips(scene, phase, slot), scene.frames(phase, slot)));
     let pair = |(k, record): (usize, &shared::Lagged)| {
         let contact = unpacked(record);
-        let normal = |frames: &[Frame]| match contact.carrier {
+        let normal = |frames: &[Frame]| match contact.body {
             None => contact.normal,
             Some(c) => frames[c as usize].rotation * contact.normal,
         };

@@ -137,7 +137,7 @@ pub fn colliders(seed: u64, origin: DVec3) -> Vec<Collider> {
     // Every other one is carried by the body, the last frame; one is smooth.
     for collider in colliders.iter_mut().step_by(2) {
         collider.frame.position -= origin;
-        collider.carrier = Some(BODY);
+        collider.body = Some(BODY);
     }
     colliders[1].friction = 0.0;
     colliders

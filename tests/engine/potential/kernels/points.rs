@@ -20,7 +20,7 @@ pub fn pose_blend(scene: &Scene) -> Outcome {
     for (phase, name, set) in [
         (Phase::Evaluated, "unposed", &avatar.cubature),
         (Phase::Evaluated, "skin_unposed", &avatar.skin),
-        (Phase::Drawn, "drawn_unposed", &avatar.skin),
+        (Phase::Drawn, "posed_skin_unposed", &avatar.skin),
     ] {
         let features = set.pose_blend.features;
         let feature: Vec<f32> = scene.items(phase, "pose_features", INSTANCE, features);
@@ -234,7 +234,7 @@ pub fn skin(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let set = &scene.avatar.skin;
     let phase = Phase::Drawn;
-    let rest = scene.rest(phase, "drawn_unposed", set);
+    let rest = scene.rest(phase, "posed_skin_unposed", set);
     let frames = scene.frames(phase, phase.slot());
     let phi = scene.displaced(phase, phase.slot());
     let got: Vec<shared::SkinVertex> = scene.items(phase, "skin_vertices", INSTANCE, set.len());

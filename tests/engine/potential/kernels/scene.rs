@@ -82,7 +82,7 @@ const LOOKED_AT: &[(Phase, &[&str])] = &[
             "pose_features",
             "frames",
             "handles",
-            "drawn_unposed",
+            "posed_skin_unposed",
             "skin_vertices",
         ],
     ),

@@ -116,7 +116,7 @@ fn point_gradients(scene: &Scene) -> (Vec<usize>, Vec<DVec3>) {
 }
 
 /// A point's part: the force (5), then a row of Rᵀ (3), w, n_b sums and U, beside the stress (5), or
-/// an arm (5) and a cross product (2). The gather: terms over 64 lanes, then six levels, and three
+/// an arm (5) and a cross product (2). The gather: terms over 64 threads, then six levels, and three
 /// products of a contact.
 pub fn gradient(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();

@@ -47,7 +47,7 @@ fn cpu(avatar: &Arc<Avatar>, solver: SolverMode) -> Simulation<CpuPotential> {
 fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
     let rest = finger().rest_state();
     let instance = &mut simulation.instances_mut()[0];
-    instance.colliders.retain(|c| c.carrier.is_some());
+    instance.colliders.retain(|c| c.body.is_some());
     for ball in instance.state.frames.iter_mut().skip(rest.frames.len()) {
         *ball = AWAY;
     }

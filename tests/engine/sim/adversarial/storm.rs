@@ -163,7 +163,7 @@ impl Storm {
                 };
                 let velocity = self.random.vector(1.0) - normal;
                 let spin = self.random.vector(30.0);
-                instance.throw(3, at, velocity, spin, time_step);
+                instance.set_motion(3, at, velocity, spin, time_step);
             }
             5 => {
                 let limit = self.random.index(2);

@@ -26,7 +26,7 @@ fn pair(friction: f64) -> (Avatar, State, Collider) {
     let ball = Collider {
         friction,
         stiffness: 1e7,
-        carrier: Some(1),
+        body: Some(1),
         ..Collider::new(Shape::Sphere { radius: 0.03 }, ball)
     };
     (avatar, state, ball)
@@ -61,13 +61,13 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
             DVec3::new(0.02, -0.03, 0.05),
         );
         instance.previous.frames[0] = approach;
-        let (mut exchanged, mut turned, mut touched, mut rubbed) = (0.0, 0.0, 0, 0.0);
+        let (mut exchanged, mut turned, mut touched, mut slid) = (0.0, 0.0, 0, 0.0);
         for step in 0..30 {
             let [old, now] = [0, 1].map(|_| simulation.instances()[0].clone());
             let report = simulation.step_blocking()?.instances.remove(0);
             let new = &simulation.instances()[0].state;
             touched += report.contacts;
-            rubbed = f64::max(rubbed, report.energies.friction.abs());
+            slid = f64::max(slid, report.energies.friction.abs());
             let changes = (0..2).map(|j| {
                 let (a, b, c) = (
                     &old.previous.frames[j],
@@ -97,7 +97,7 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
             touched > 0 && exchanged > 1e-5 && turned > 1e-8,
             "{touched} {exchanged} {turned}"
         );
-        assert_eq!(rubbed > 0.0, friction > 0.0);
+        assert_eq!(slid > 0.0, friction > 0.0);
     }
     Ok(())
 }
@@ -126,7 +126,7 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
     };
     // The ball reaches vertices of both blocks, and is carried by one of them.
     let kinematic = Collider {
-        carrier: None,
+        body: None,
         ..ball.clone()
     };
     let (of_other, of_all) = (
@@ -140,10 +140,10 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
     let limb = support::full_space_limb(&support::SMALL, 1, true);
     let mut soft = simulation(&limb, CONVERGED)?;
     soft.instances_mut()[0].colliders.push(Collider {
-        carrier: Some(0),
+        body: Some(0),
         ..ball
     });
     let error = soft.step_blocking().unwrap_err().to_string();
-    assert!(error.contains("collider.carrier"), "{error}");
+    assert!(error.contains("collider.body"), "{error}");
     Ok(())
 }

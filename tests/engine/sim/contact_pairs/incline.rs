@@ -121,7 +121,7 @@ fn coarse_plate() -> Result<Collider> {
 }
 
 /// A floor that is a mesh holds and lets go like a half-space; also where ∇d is no unit vector, since what
-/// rubs is the push and not k a δ.
+/// has_friction is the push and not k a δ.
 #[test]
 fn a_block_on_a_mesh_slides_as_on_a_half_space() -> Result<()> {
     let half_extents = [1.2, 0.1, 0.05];

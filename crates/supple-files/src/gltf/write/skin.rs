@@ -8,7 +8,7 @@ use super::morph::Morphs;
 use super::normals::normal_change;
 use glam::{DMat4, DVec3};
 use serde_json::{Value, json};
-use supple::model::{Avatar, DrawnPart, SkinWeight, Surface};
+use supple::model::{Avatar, RenderMesh, SkinWeight, Surface};
 
 /// Displacements shorter than this are left out of a sparse target, m.
 const SPARSE_THRESHOLD: f32 = 1e-7;
@@ -36,7 +36,7 @@ impl Document {
             })
             .collect();
         let whole;
-        let parts = match avatar.drawn.as_slice() {
+        let parts = match avatar.render_meshes.as_slice() {
             [] => {
                 whole = [whole_skin(avatar)];
                 &whole
@@ -108,7 +108,7 @@ impl Document {
     }
 
     /// A part's own vertices and triangles.
-    fn part(&mut self, avatar: &Avatar, part: &DrawnPart, normals: &[[f32; 3]]) -> Value {
+    fn part(&mut self, avatar: &Avatar, part: &RenderMesh, normals: &[[f32; 3]]) -> Value {
         let skin = &avatar.skin;
         let positions: Vec<_> = of_part(part, &skin.position).map(floats).collect();
         let normals: Vec<_> = of_part(part, normals).collect();
@@ -131,16 +131,16 @@ impl Document {
     }
 }
 
-fn of_part<'a, T: Copy>(part: &'a DrawnPart, values: &'a [T]) -> impl Iterator<Item = T> + 'a {
+fn of_part<'a, T: Copy>(part: &'a RenderMesh, values: &'a [T]) -> impl Iterator<Item = T> + 'a {
     part.vertices.iter().map(|&v| values[v as usize])
 }
 
 /// The skin as one part.
-fn whole_skin(avatar: &Avatar) -> DrawnPart {
-    DrawnPart {
+fn whole_skin(avatar: &Avatar) -> RenderMesh {
+    RenderMesh {
         vertices: (0..avatar.body_vertices(0).start as u32).collect(),
         triangles: avatar.skin_triangles().to_vec(),
-        ..DrawnPart::default()
+        ..RenderMesh::default()
     }
 }
 

@@ -1,10 +1,10 @@
 //! The formats: small sound files, and what reads them.
 
 use super::seeds;
-use supple_files as motion;
 use std::collections::BTreeMap;
 use std::path::Path;
 use supple::glam::{DMat3, DVec3};
+use supple_files as motion;
 use supple_files::{BvhOptions, PoseReader};
 use supple_files::{
     parse_gltf, parse_gltf_motions, parse_obj, parse_smpl, parse_tetgen, parse_tets,

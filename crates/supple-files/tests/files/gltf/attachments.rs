@@ -116,7 +116,7 @@ fn the_closed_body_is_tissue_and_the_rest_hangs_on_it() {
     assert_eq!(names, ["eye", "sleeve", "tress"]);
     let follows = |name| attachment(&body, name).follows_tissue;
     assert!(!follows("eye") && follows("sleeve") && !follows("tress"));
-    assert_eq!(body.drawn.len(), 4);
+    assert_eq!(body.render_meshes.len(), 4);
 
     // A second volume on several bones, beside the first, is tissue; one inside the first is not.
     for (shift, tissue) in [(0.3, true), (0.0, false)] {
@@ -210,8 +210,8 @@ fn attachments_are_baked_and_drawn() {
     let gltf::Gltf { document, blob } = gltf::Gltf::open(&path).unwrap();
     let blob = blob.unwrap();
     let mesh = document.meshes().next().unwrap();
-    assert_eq!(mesh.primitives().count(), body.drawn.len());
-    for (primitive, part) in mesh.primitives().zip(&body.drawn) {
+    assert_eq!(mesh.primitives().count(), body.render_meshes.len());
+    for (primitive, part) in mesh.primitives().zip(&body.render_meshes) {
         assert_eq!(primitive.material().name().unwrap_or(""), part.material);
         let reader = primitive.reader(|_| Some(&blob[..]));
         let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();

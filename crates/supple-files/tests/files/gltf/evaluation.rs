@@ -198,9 +198,9 @@ pub fn posed(body: &Body, frames: &[Frame]) -> Vec<DVec3> {
 
 /// The largest distance between what the file's vertices are by `expected` and by `found`.
 pub fn largest_distance(body: &Body, found: &[DVec3], expected: &[Vec<DVec3>]) -> f64 {
-    assert_eq!(body.drawn.len(), expected.len());
+    assert_eq!(body.render_meshes.len(), expected.len());
     let mut largest: f64 = 0.0;
-    for (part, expected) in body.drawn.iter().zip(expected) {
+    for (part, expected) in body.render_meshes.iter().zip(expected) {
         assert_eq!(part.vertices.len(), expected.len());
         for (v, x) in part.vertices.iter().zip(expected) {
             largest = largest.max(found[*v as usize].distance(*x));

@@ -136,7 +136,7 @@ fn lists_without_indices_strips_and_fans() {
     let body = check_rest(&list.glb());
     assert!(body.skin.is_closed());
     assert_eq!(body.skin.positions.len(), expected.skin.positions.len());
-    assert_eq!(body.drawn[0].vertices.len(), corners.len());
+    assert_eq!(body.render_meshes[0].vertices.len(), corners.len());
 
     // Two fans for the ends, a strip for each pair of rings.
     let mut parts = plain();
@@ -219,7 +219,9 @@ fn seams_are_welded_and_kept() {
     let body = check_rest(&file.glb());
     assert!(body.skin.is_closed());
     assert_eq!(body.skin.positions.len(), bar.positions.len());
-    let [part] = &body.drawn[..] else { panic!() };
+    let [part] = &body.render_meshes[..] else {
+        panic!()
+    };
     assert_eq!((&*part.name, &*part.material), ("bar", "steel"));
     assert_eq!(part.texture_coordinates, coordinates);
     assert_eq!(part.triangles.as_flattened().len(), triangles.len());

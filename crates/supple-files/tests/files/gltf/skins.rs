@@ -143,7 +143,7 @@ fn two_skins_with_placements_of_their_own_share_the_bones() {
     file.json["scenes"][0]["nodes"] = json!([0, node]);
     let body = check_rest(&file.glb());
     assert_eq!(body.skeleton.len(), BONES);
-    assert_eq!(body.drawn.len(), 2);
+    assert_eq!(body.render_meshes.len(), 2);
 }
 
 #[test]

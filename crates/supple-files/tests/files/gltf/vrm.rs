@@ -3,8 +3,8 @@
 use super::fixture::*;
 use glam::{DQuat, DVec3};
 use serde_json::json;
-use supple_files::parse_gltf;
 use supple_files::gltf::{BoneCollider, Character};
+use supple_files::parse_gltf;
 
 const ARMATURE: (f64, DQuat, DVec3) = (2.0, DQuat::IDENTITY, DVec3::Y);
 

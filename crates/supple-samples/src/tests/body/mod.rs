@@ -3,10 +3,10 @@
 mod model;
 mod shape;
 
+use crate::SampleBody;
 use std::sync::OnceLock;
 use supple::glam::DVec3;
 use supple::model::Surface;
-use crate::SampleBody;
 
 /// About an edge's length, m.
 const CELL: f64 = 0.02;

@@ -1,6 +1,7 @@
 //! The skin as a surface: closed, symmetric, a person's proportions, apart where limbs are.
 
 use super::{CELL, betas, body, joint, other_side, skin, surface_of};
+use crate::SampleBody;
 use crate::tests::surface::{
     assert_closed_sphere, self_intersections, smallest_angle, winding_number,
 };
@@ -9,7 +10,6 @@ use supple::internal::math::{Random, par_map, rotation_exp};
 use supple_bake::Body;
 use supple_bake::Mesher;
 use supple_bake::mesh::{MeshQuality, ShellOptions};
-use crate::SampleBody;
 
 pub fn mirrored(p: DVec3) -> DVec3 {
     DVec3::new(-p.x, p.y, p.z)

@@ -45,8 +45,8 @@ fn of_gltf(path: &Path, avatar: &Avatar) -> f64 {
         .collect();
     let found = held(avatar, &frames);
     let expected = file.skinned(&posed);
-    assert_eq!(avatar.drawn.len(), expected.len());
-    let parts = avatar.drawn.iter().zip(&expected);
+    assert_eq!(avatar.render_meshes.len(), expected.len());
+    let parts = avatar.render_meshes.iter().zip(&expected);
     parts
         .flat_map(|(part, expected)| {
             assert_eq!(part.vertices.len(), expected.len());

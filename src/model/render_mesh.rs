@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A *body vertex* is one of the welded skin's, or after those one of the attachments' in order: an
 /// avatar's skin vertices are numbered so.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct DrawnPart {
+pub struct RenderMesh {
     /// Name of the mesh in the file.
     pub name: String,
     /// Name of its material, empty where it has none.
@@ -21,7 +21,7 @@ pub struct DrawnPart {
     pub triangles: Vec<[u32; 3]>,
 }
 
-impl DrawnPart {
+impl RenderMesh {
     /// Checks lengths and indices for `body_vertices`.
     ///
     /// # Errors

@@ -37,8 +37,8 @@ pub struct Progress<'a> {
 /// An avatar, once it is there.
 type Slot = Arc<Mutex<Option<Arc<Avatar>>>>;
 
-/// Runs what figures ask for. Figures may be drawn in parallel with one studio.
-pub struct Studio {
+/// Runs what figures ask for. Figures may be drawn in parallel with one runner.
+pub struct Runner {
     /// How much a figure may cost.
     pub size: Size,
     scenes: PathBuf,
@@ -47,8 +47,8 @@ pub struct Studio {
     avatars: Mutex<HashMap<String, Slot>>,
 }
 
-impl Studio {
-    /// A studio that reads scenes from the folder `scenes`, and keeps bakes and long runs in the folder `cache`.
+impl Runner {
+    /// A runner that reads scenes from the folder `scenes`, and keeps bakes and long runs in the folder `cache`.
     pub fn new(
         size: Size,
         scenes: impl Into<PathBuf>,
@@ -138,7 +138,7 @@ impl Studio {
     /// A sample baked by its own recipe.
     ///
     /// # Errors
-    /// As [`Studio::avatar`].
+    /// As [`Runner::avatar`].
     pub fn sample(&self, sample: Sample) -> Result<Arc<Avatar>> {
         self.avatar(&AvatarSource::of_sample(sample))
     }
@@ -146,7 +146,7 @@ impl Studio {
     /// The avatar of `scene`, of the tissue that the scene asks for.
     ///
     /// # Errors
-    /// As [`Studio::avatar`].
+    /// As [`Runner::avatar`].
     pub fn avatar_of(&self, scene: &Scene) -> Result<Arc<Avatar>> {
         let mut avatar = self.avatar(&scene.avatar)?;
         let own = scene.material.is_some() || scene.damping_time.is_some();
