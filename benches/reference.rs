@@ -48,7 +48,7 @@ fn colliders() -> [Collider; 2] {
 fn bench(criterion: &mut Criterion) {
     for points in [700, 2000] {
         let avatar = hand_sized(points);
-        let mut potential = CpuPotential::new(avatar.clone(), 1, 4096).expect("a valid avatar");
+        let mut potential = CpuPotential::new(avatar.clone(), 1).expect("a valid avatar");
         let [previous, current, state] =
             [1, 2, 3].map(|seed| random_state(seed, &avatar, 0.05, 0.001));
         let colliders = colliders();

@@ -48,7 +48,7 @@ fn on_cpu(criterion: &mut Criterion, name: &str, points: Option<usize>) -> suppl
     let (body, mut recipe) = scene.avatar.body()?;
     recipe.cubature.points = points.or(recipe.cubature.points);
     let avatar = Arc::new(bake(&body, &recipe, &mut |_| {})?.0);
-    let cpu = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
+    let cpu = CpuPotential::new(avatar.clone(), 1)?;
     let cpu = Simulation::new(&avatar, cpu, scene.settings)?;
     let name = format!("step/cpu/{name}, {} points", avatar.cubature.len());
     pressed(criterion, &name, &scene, &avatar, cpu, 4.0)
@@ -69,7 +69,7 @@ fn bench(criterion: &mut Criterion) {
     for points in [700, 2000] {
         recipe.cubature.points = Some(points);
         let avatar = Arc::new(bake(&body, &recipe, &mut |_| {}).expect("a bake").0);
-        let cpu = CpuPotential::new(avatar.clone(), 1, 2048).expect("the f64 evaluation");
+        let cpu = CpuPotential::new(avatar.clone(), 1).expect("the f64 evaluation");
         let cpu = Simulation::new(&avatar, cpu, scene.settings).expect("a simulation");
         let name = format!("step/cpu/{points} points");
         pressed(criterion, &name, &scene, &avatar, cpu, 4.0).expect("a press");
@@ -88,7 +88,7 @@ fn bench(criterion: &mut Criterion) {
     // Seconds a step: fewer of them, and a hastier press.
     let avatar = bake(&body, &recipe, &mut |_| {}).expect("a bake").0;
     let (full, simulation) =
-        full_space_simulation(&avatar, 1, 2048, scene.settings).expect("the full space");
+        full_space_simulation(&avatar, 1, scene.settings).expect("the full space");
     let name = "step/cpu/full space";
     pressed(criterion, name, &scene, &full, simulation, 20.0).expect("a press");
 }

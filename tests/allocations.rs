@@ -55,7 +55,7 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
     let scene = read_scene(path)?;
     let (body, recipe) = scene.avatar.body()?;
     let avatar = Arc::new(bake(&body, &recipe, &mut |_| {})?.0);
-    let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
     let mut driver = Driver::new(&scene, &avatar)?;
     driver.start(&avatar, &mut simulation.instances_mut()[0]);

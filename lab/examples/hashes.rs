@@ -80,8 +80,7 @@ fn play(scene: &Scene, avatar: &Arc<Avatar>, mode: &str) -> supple::Result<Strin
     let mut avatar = avatar.clone();
     scene.dress(Arc::make_mut(&mut avatar))?;
     let avatar = &avatar;
-    let capacity = avatar.skin.len() * scene.collider_count();
-    let potential = CpuPotential::new(avatar.clone(), 1, capacity)?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
     let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);

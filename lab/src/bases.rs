@@ -172,7 +172,7 @@ fn play(runner: &Runner, study: &Study, name: &str, space: Space<'_>) -> Result<
     runner.progress(&format!("{}, {name}", study.scene.name), 0, 1);
     let (settled, displacement, min_det_f) = match space {
         Space::Own(avatar) => {
-            let potential = || CpuPotential::new(avatar.clone(), 1, avatar.skin.len());
+            let potential = || CpuPotential::new(avatar.clone(), 1);
             let settled = settle(study, avatar, potential)?;
             let least = min_det_f(&avatar.layer, &settled.state);
             let displacement = skin_displacement(avatar, &settled.state);
@@ -180,7 +180,7 @@ fn play(runner: &Runner, study: &Study, name: &str, space: Space<'_>) -> Result<
         }
         Space::Modal(space) => {
             let avatar = space.avatar();
-            let potential = || space.reference(1, avatar.skin.len());
+            let potential = || space.reference(1);
             let settled = settle(study, avatar, potential)?;
             let least = space.min_det_f(&settled.state)?;
             let displacement = space.skin_displacement(&settled.state)?;

@@ -352,7 +352,7 @@ fn kept(truncation: Truncation) -> &'static str {
 /// Median time of a step of one iteration from the pressed state, ms.
 fn step_ms(avatar: &Arc<Avatar>, pressed: &State) -> Result<f64> {
     const STEPS: usize = 9;
-    let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(avatar, potential, Settings::default())?;
     let instance = &mut simulation.instances_mut()[0];
     instance.place(pressed.clone());

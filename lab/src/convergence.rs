@@ -51,7 +51,7 @@ fn draw(runner: &Runner) -> Result<Page> {
     let avatar = runner.avatar_of(&scene)?;
     let start = before_the_step(&scene, &avatar)?;
 
-    let reference = || CpuPotential::new(avatar.clone(), 1, avatar.skin.len());
+    let reference = || CpuPotential::new(avatar.clone(), 1);
     let mut exact = simulation(&scene, &avatar, Exact(reference()?))?;
     let minimum = minimised(&mut exact, &start, 60)?;
     let floor = energy_floor(&mut exact, &start, &minimum)?;
@@ -126,7 +126,7 @@ fn draw(runner: &Runner) -> Result<Page> {
 
 /// The scene's instance before the step that is looked at, driven to that step's end.
 fn before_the_step(scene: &Scene, avatar: &Arc<Avatar>) -> Result<Instance> {
-    let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = simulation(scene, avatar, potential)?;
     let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);

@@ -82,7 +82,7 @@ impl Space {
             Self::Scalar(avatar) => press::press(avatar, depths),
             Self::General(space) => {
                 let avatar = space.avatar();
-                press_with(avatar, space.reference(1, avatar.skin.len())?, None, depths)
+                press_with(avatar, space.reference(1)?, None, depths)
             }
         }
     }
@@ -108,14 +108,10 @@ impl Space {
     /// Wall-clock time of a step under the press at `depth`, ms.
     fn ms_a_step(&self, depth: f64) -> Result<f64> {
         match self {
-            Self::Scalar(avatar) => ms_a_step(
-                avatar,
-                CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?,
-                depth,
-            ),
+            Self::Scalar(avatar) => ms_a_step(avatar, CpuPotential::new(avatar.clone(), 1)?, depth),
             Self::General(space) => {
                 let avatar = space.avatar();
-                ms_a_step(avatar, space.reference(1, avatar.skin.len())?, depth)
+                ms_a_step(avatar, space.reference(1)?, depth)
             }
         }
     }

@@ -68,11 +68,10 @@ fn draw(runner: &Runner) -> Result<Page> {
             rotation: turn,
             position: x + (depth - PIN_LENGTH) * inward,
         });
-        let contacts = avatar.skin.len();
-        let potential = CpuPotential::new(space.clone(), 1, contacts)?;
+        let potential = CpuPotential::new(space.clone(), 1)?;
         let solver = Box::new(SparseCholesky::new(potential.pattern())?);
         let truth = press_along(&space, potential, Some(solver), PIN, &frames)?;
-        let potential = CpuPotential::new(avatar.clone(), 1, contacts)?;
+        let potential = CpuPotential::new(avatar.clone(), 1)?;
         let reduced = press_along(&avatar, potential, None, PIN, &frames)?;
         pricks.push(Prick {
             distance,

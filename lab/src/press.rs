@@ -65,7 +65,7 @@ pub fn limb_recipe() -> Recipe {
 /// # Errors
 /// As [`press_with`].
 pub fn press(avatar: &Arc<Avatar>, depths: &[f64]) -> Result<Pressed> {
-    let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     press_with(avatar, potential, None, depths)
 }
 
@@ -75,7 +75,7 @@ pub fn press(avatar: &Arc<Avatar>, depths: &[f64]) -> Result<Pressed> {
 /// As [`press_with`].
 pub fn press_full_space(avatar: &Avatar, depths: &[f64]) -> Result<Pressed> {
     let avatar = Arc::new(in_full_space(avatar)?);
-    let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len())?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let solver = Box::new(SparseCholesky::new(potential.pattern())?);
     press_with(&avatar, potential, Some(solver), depths)
 }

@@ -161,7 +161,7 @@ impl Runner {
     /// # Errors
     /// As [`run_scene`].
     pub fn play(&self, scene: &Scene, avatar: &Arc<Avatar>) -> Result<SceneRun> {
-        let potential = CpuPotential::new(avatar.clone(), 1, contacts(scene, avatar))?;
+        let potential = CpuPotential::new(avatar.clone(), 1)?;
         let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
         self.run(scene, avatar, &mut simulation)
     }
@@ -230,11 +230,6 @@ impl Runner {
     pub fn strip(&self, scene: &Scene, avatar: &Avatar, run: &SceneRun) -> Image {
         picture_strip(scene, avatar, &run.snapshots)
     }
-}
-
-/// Room for every vertex to touch every collider.
-fn contacts(scene: &Scene, avatar: &Avatar) -> usize {
-    avatar.skin.len() * scene.collider_count()
 }
 
 /// What a figure that panicked left is as good as before: a slot is written in one go.

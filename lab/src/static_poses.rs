@@ -183,7 +183,7 @@ fn at_rest(avatar: &Arc<Avatar>, local: &[DMat3]) -> Result<State> {
         solver: SolverMode::CONVERGED,
         ..Settings::default()
     };
-    let potential = CpuPotential::new(avatar.clone(), 1, 0)?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(avatar, potential, settings)?;
     let skeleton = &avatar.skeleton;
     simulation.instances_mut()[0].gravity = DVec3::ZERO;

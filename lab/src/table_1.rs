@@ -85,8 +85,7 @@ fn measure(runner: &Runner, subject: &Subject, page: &mut Page) -> Result<()> {
     let (mut rows, mut growth) = (Vec::new(), Vec::new());
     let mut own = runner.avatar_of(&scene)?;
 
-    let (avatar, simulation) =
-        full_space_simulation(&own, 1, contacts(&scene, &own), scene.settings)?;
+    let (avatar, simulation) = full_space_simulation(&own, 1, scene.settings)?;
     let full = pressed(&scene, &avatar, simulation, 20.0, 3)?;
     rows.push(line(subject, "full space", &avatar, &full, 0));
     let full_dofs = avatar.space().dofs();
@@ -97,7 +96,7 @@ fn measure(runner: &Runner, subject: &Subject, page: &mut Page) -> Result<()> {
         recipe.cubature.points = Some(points);
         scene.avatar.bake = Some(recipe);
         own = runner.avatar_of(&scene)?;
-        let potential = CpuPotential::new(own.clone(), 1, contacts(&scene, &own))?;
+        let potential = CpuPotential::new(own.clone(), 1)?;
         let simulation = Simulation::new(&own, potential, scene.settings)?;
         let timings = pressed(&scene, &own, simulation, 4.0, steps)?;
         growth.push((points as f64, timings));
@@ -108,7 +107,7 @@ fn measure(runner: &Runner, subject: &Subject, page: &mut Page) -> Result<()> {
     // With the points of the last one: a global basis needs them.
     let modes = modal(&own, subject.modes)?;
     let avatar = modes.space.avatar().clone();
-    let simulation = (modes.space).simulation(1, contacts(&scene, &avatar), scene.settings)?;
+    let simulation = (modes.space).simulation(1, scene.settings)?;
     let modal = pressed(&scene, &avatar, simulation, 20.0, 3)?;
     let what = format!("{} modes, {} points", subject.modes, avatar.cubature.len());
     rows.push(line(subject, &what, &avatar, &modal, usize::MAX));
@@ -235,8 +234,4 @@ fn pressed<P: Potential>(
         step: median(|t| t.step),
         ..Timings::default()
     })
-}
-
-fn contacts(scene: &Scene, avatar: &Avatar) -> usize {
-    avatar.skin.len() * scene.collider_count()
 }

@@ -144,8 +144,7 @@ impl Arguments {
             time_stages(simulation.potential_mut(), &mut run.report.breakdown_ms)?;
             return Ok((run, "gpu".into()));
         }
-        let contacts = avatar.skin.len() * scene.collider_count();
-        let potential = CpuPotential::new(avatar.clone(), 1, contacts)?;
+        let potential = CpuPotential::new(avatar.clone(), 1)?;
         eprintln!("backend: cpu{}", self.why_cpu());
         let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
         Ok((play(scene, avatar, &mut simulation)?, "cpu".into()))

@@ -20,7 +20,7 @@ fn demo() -> &'static (Scene, Arc<Avatar>, SceneRun) {
         scene.output.record_every = 1;
         let (body, recipe) = scene.avatar.body().unwrap();
         let avatar = Arc::new(bake(&body, &recipe, &mut |_| {}).unwrap().0);
-        let potential = CpuPotential::new(avatar.clone(), 1, avatar.skin.len()).unwrap();
+        let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
         let mut simulation = Simulation::new(&avatar, potential, scene.settings).unwrap();
         let run = run_scene(&scene, &avatar, &mut simulation, &mut |_| {}).unwrap();
         (scene, avatar, run)
@@ -76,7 +76,7 @@ fn gpu_and_cpu_agree_at_every_step() {
     let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options).unwrap();
     let mut simulation = Simulation::new(avatar, potential, scene.settings).unwrap();
     let run = run_scene(scene, avatar, &mut simulation, &mut |_| {}).unwrap();
-    let mut reference = CpuPotential::new(avatar.clone(), 1, 1).unwrap();
+    let mut reference = CpuPotential::new(avatar.clone(), 1).unwrap();
     assert_eq!(run.recording.states.len(), scene.steps + 1);
     let mut worst: f64 = 0.0;
     for (step, (a, b)) in (cpu.recording.states.iter().zip(&run.recording.states)).enumerate() {

@@ -69,7 +69,7 @@ fn agree(name: &str) {
     let scene = RUNNER.scene(name).unwrap();
     let avatar = RUNNER.avatar_of(&scene).unwrap();
     let colliders = scene.collider_count();
-    let reference = CpuPotential::new(avatar.clone(), 1, avatar.skin.len() * colliders).unwrap();
+    let reference = CpuPotential::new(avatar.clone(), 1).unwrap();
     let mut cpu = Player::new(&scene, &avatar, reference);
     let options = GpuOptions {
         colliders: colliders.max(1),

@@ -24,16 +24,10 @@ pub(super) struct Asset<B> {
     /// Frames that may carry colliders.
     pub body_frames: Vec<u32>,
     pub vertex_triangles: Rows<[u32; 2]>,
-    pub contact_capacity: usize,
 }
 
 impl<B: Basis> Asset<B> {
-    pub fn new(
-        avatar: Arc<Avatar>,
-        cubature: &Rows<B>,
-        skin: &Rows<B>,
-        contact_capacity: usize,
-    ) -> Result<Self> {
+    pub fn new(avatar: Arc<Avatar>, cubature: &Rows<B>, skin: &Rows<B>) -> Result<Self> {
         avatar.validate()?;
         let space = avatar.space();
         let cubature = Points::new("cubature", space, &avatar.cubature.skinning, cubature)?;
@@ -55,7 +49,6 @@ impl<B: Basis> Asset<B> {
             pattern,
             cubature,
             skin,
-            contact_capacity,
         })
     }
 }

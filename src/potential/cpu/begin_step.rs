@@ -65,7 +65,7 @@ impl Step {
             damping_rate: 0.0,
             colliders: Vec::new(),
             collider_motions: Vec::new(),
-            lagged: Vec::with_capacity(asset.contact_capacity),
+            lagged: Vec::new(),
             smoothing: 0.0,
             geometric: false,
             current: asset.avatar.rest_state(),

@@ -7,31 +7,26 @@ use crate::collider::Collider;
 use crate::model::Frame;
 use glam::DVec3;
 
-/// Lists the candidates that touch, `capacity` at most, and returns how many there are. `candidates` holds
+/// Lists the candidates that touch, and returns how many there are. `candidates` holds
 /// one for each (vertex, collider), vertex-major; `areas` is that of each vertex, m².
 pub fn compact(
     candidates: &[Candidate],
     areas: &[f64],
     colliders: &[Collider],
-    capacity: usize,
     out: &mut Vec<ContactRow>,
 ) -> usize {
     out.clear();
-    let mut active = 0;
     for_each(
         candidates,
         areas,
         colliders,
         |vertex, k, candidate, area| {
-            active += 1;
-            if active <= capacity {
-                let (collider, vertex) = (&colliders[k], vertex as u32);
-                let stiffness = collider.stiffness * area;
-                out.push(ContactRow::normal(candidate, stiffness, vertex, collider));
-            }
+            let (collider, vertex) = (&colliders[k], vertex as u32);
+            let stiffness = collider.stiffness * area;
+            out.push(ContactRow::normal(candidate, stiffness, vertex, collider));
         },
     );
-    active
+    out.len()
 }
 
 /// Lists the candidates of qⁿ against the colliders of tⁿ that have friction. They push with λ = k a δ |∇d|,

@@ -74,13 +74,7 @@ impl<B: Basis> CpuPotential<B> {
         step.contact(asset, &motion, &mut touching);
         let areas = &avatar.skin.measure;
         let colliders = &step.colliders;
-        compact(
-            &touching.candidates,
-            areas,
-            colliders,
-            usize::MAX,
-            &mut rows,
-        );
+        compact(&touching.candidates, areas, colliders, &mut rows);
         for k in 0..step.lagged.len() {
             let change = step.slip_change(asset, k, &step.current.handles, &motion);
             let slip = step.slip(k, step.start_slip(k) + change, &motion);

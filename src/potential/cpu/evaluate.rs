@@ -61,8 +61,8 @@ impl Instance {
             arms: vec![DVec3::ZERO; asset.cubature.skinning.entries().len()],
             tangents: vec![[[0.0; 9]; 9]; points],
             slips: Vec::new(),
-            contacts: Vec::with_capacity(asset.contact_capacity),
-            levers: Vec::with_capacity(asset.contact_capacity * asset.lever_stride),
+            contacts: Vec::new(),
+            levers: Vec::new(),
             contact_rows: ContactRows::default(),
             gradient: vec![DVec3::ZERO; asset.space.blocks()],
         }
@@ -98,8 +98,7 @@ impl Instance {
         );
         let areas = &asset.avatar.skin.measure;
         let (candidates, colliders) = (&self.touching.candidates, &step.colliders);
-        let capacity = asset.contact_capacity;
-        out.contacts = compact(candidates, areas, colliders, capacity, &mut self.contacts);
+        out.contacts = compact(candidates, areas, colliders, &mut self.contacts);
         self.evaluate_slips(asset);
         self.evaluate_levers(asset);
         self.timings.force += watch.ms();
@@ -121,17 +120,8 @@ impl Instance {
         out.contact_force = self.contacts.iter().map(|c| -c.force * c.direction).sum();
     }
 
-    /// Whether the last evaluation saw all contacts and is finite.
-    pub fn check<B: Basis>(&self, asset: &Asset<B>, evaluation: &Evaluation) -> Result<()> {
-        if evaluation.contacts > asset.contact_capacity {
-            return Err(Error::invalid(
-                "contact_capacity",
-                format!(
-                    "{} contacts are active, room is for {}: raise the capacity",
-                    evaluation.contacts, asset.contact_capacity
-                ),
-            ));
-        }
+    /// Whether an evaluation is finite.
+    pub fn check(evaluation: &Evaluation) -> Result<()> {
         if !evaluation.energies.total().is_finite() {
             return Err(Error::NotFinite { quantity: "energy" });
         }

@@ -61,13 +61,13 @@ pub struct CpuPotential<B: Basis = BasisEntry> {
 }
 
 impl CpuPotential {
-    /// Evaluates `instances` avatars of one asset, each with at most `contact_capacity` active contacts.
+    /// Evaluates `instances` avatars of one asset; any number of contacts may be active.
     ///
     /// # Errors
     /// Where the avatar is not valid or a point names a bone or a handle twice.
-    pub fn new(avatar: Arc<Avatar>, instances: usize, contact_capacity: usize) -> Result<Self> {
+    pub fn new(avatar: Arc<Avatar>, instances: usize) -> Result<Self> {
         let (cubature, skin) = (&avatar.cubature.basis.clone(), &avatar.skin.basis.clone());
-        Self::with_basis(avatar, cubature, skin, instances, contact_capacity)
+        Self::with_basis(avatar, cubature, skin, instances)
     }
 }
 
@@ -82,9 +82,8 @@ impl<B: Basis> CpuPotential<B> {
         cubature: &Rows<B>,
         skin: &Rows<B>,
         instances: usize,
-        contact_capacity: usize,
     ) -> Result<Self> {
-        let asset = Asset::new(avatar, cubature, skin, contact_capacity)?;
+        let asset = Asset::new(avatar, cubature, skin)?;
         Ok(Self {
             instances: (0..instances).map(|_| Instance::new(&asset)).collect(),
             asset,
@@ -212,7 +211,7 @@ impl<B: Basis> Potential for CpuPotential<B> {
             });
         });
         for i in (0..states.len()).filter(|&i| active[i]) {
-            self.instances[i].check(asset, &out[i])?;
+            Instance::check(&out[i])?;
         }
         Ok(())
     }

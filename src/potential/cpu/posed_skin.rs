@@ -54,7 +54,7 @@ mod tests {
     fn the_posed_skin_is_what_a_simulation_draws() {
         let avatar = Arc::new(random_avatar(11, 4, 12, 30, 60));
         let state = random_state(12, &avatar, 0.8, 0.02);
-        let mut reference = CpuPotential::new(avatar.clone(), 1, 0).unwrap();
+        let mut reference = CpuPotential::new(avatar.clone(), 1).unwrap();
         let (mut drawn, mut normals) = (Vec::new(), Vec::new());
         pollster::block_on(async {
             reference.pose_skin(std::slice::from_ref(&state)).await?;

@@ -37,7 +37,7 @@ type Run = (Vec<Instance>, Vec<StepReport>);
 
 fn run(settings: Settings, which: &[usize]) -> Result<Run> {
     let avatar = random_avatar(3, 4, 9, 60, 60);
-    let potential = CpuPotential::new(Arc::new(avatar.clone()), which.len(), 1000)?;
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), which.len())?;
     let mut simulation = Simulation::new(&avatar, potential, settings)?;
     for (instance, &k) in simulation.instances_mut().iter_mut().zip(which) {
         drive(instance, k, &avatar);
@@ -101,7 +101,7 @@ fn the_same_input_gives_the_same_bits() -> Result<()> {
 fn an_absurd_velocity_is_an_error_or_a_finite_state() -> Result<()> {
     for speed in [1e3, 1e12, 1e100, 1e300] {
         let avatar = random_avatar(3, 4, 9, 60, 60);
-        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000)?;
+        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1)?;
         let mut simulation = Simulation::new(&avatar, potential, Settings::default())?;
         let instance = &mut simulation.instances_mut()[0];
         instance.state.handles[0] = DVec3::X * speed;

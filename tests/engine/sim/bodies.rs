@@ -31,7 +31,7 @@ fn beside_a_limb(body: RigidBody, settings: Settings) -> Simulation<CpuPotential
     };
     let avatar = support::full_space_limb(&limb, 1, true);
     let avatar = Arc::new(avatar.with_bodies([body]).unwrap());
-    let potential = CpuPotential::new(avatar.clone(), 1, 1000).unwrap();
+    let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
     let mut simulation = Simulation::new(&avatar, potential, settings).unwrap();
     let instance = &mut simulation.instances_mut()[0];
     let frame = instance.state.frames[0];
@@ -227,7 +227,7 @@ fn bodies_leave_the_avatar_as_it_is() -> Result<()> {
         pose_feature(&avatar.skeleton.parents, &alone.frames)
     );
     let posed = |avatar: &Avatar, state| -> Result<Vec<DVec3>> {
-        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 100)?;
+        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1)?;
         let mut simulation = Simulation::new(avatar, potential, Settings::default())?;
         pollster::block_on(supple::potential::Potential::pose_skin(
             simulation.potential_mut(),
@@ -303,7 +303,7 @@ fn a_scene_throws_a_body() -> Result<()> {
     };
     scene.dress(&mut avatar)?;
     let avatar = Arc::new(avatar);
-    let potential = CpuPotential::new(avatar.clone(), 1, 10_000)?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
     let run = run_scene(&scene, &avatar, &mut simulation, &mut |_| {})?;
     let (n, h, g) = (f64::from(30), 0.01, scene.gravity);

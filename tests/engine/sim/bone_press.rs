@@ -26,7 +26,7 @@ fn press(time_step: f64, solver: SolverMode) -> Simulation<CpuPotential> {
         ..Settings::default()
     };
     let limb = support::full_space_limb(&Limb::S, 1, false);
-    let (avatar, mut simulation) = full_space_simulation(&limb, 1, 1000, settings).unwrap();
+    let (avatar, mut simulation) = full_space_simulation(&limb, 1, settings).unwrap();
     // The limb is in its full space already, by a construction of its own.
     assert_eq!(avatar.handles, limb.handles);
     let instance = &mut simulation.instances_mut()[0];

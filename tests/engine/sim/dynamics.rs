@@ -19,7 +19,7 @@ const CONVERGED: SolverMode = SolverMode::Converged {
 };
 
 fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<CpuPotential> {
-    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1).unwrap();
     Simulation::new(avatar, potential, settings).unwrap()
 }
 

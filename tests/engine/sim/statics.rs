@@ -14,7 +14,7 @@ use supple::sim::{Pin, Settings, Simulation, SolverMode};
 use supple::skeleton::Tracking;
 
 fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<CpuPotential> {
-    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1).unwrap();
     Simulation::new(avatar, potential, settings).unwrap()
 }
 

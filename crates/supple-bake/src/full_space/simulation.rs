@@ -18,11 +18,10 @@ use supple::sim::{Settings, Simulation};
 pub fn full_space_simulation(
     avatar: &Avatar,
     instances: usize,
-    contact_capacity: usize,
     settings: Settings,
 ) -> Result<(Arc<Avatar>, Simulation<CpuPotential>)> {
     let avatar = Arc::new(super::full_space(avatar)?);
-    let potential = CpuPotential::new(avatar.clone(), instances, contact_capacity)?;
+    let potential = CpuPotential::new(avatar.clone(), instances)?;
     let solver = Box::new(SparseCholesky::new(potential.pattern())?);
     let simulation = Simulation::with_solver(&avatar, potential, settings, solver)?;
     Ok((avatar, simulation))

@@ -10,7 +10,7 @@
 //! # use supple::{bake::Truncation, sim::Settings, subspace};
 //! # let avatar: supple::model::Avatar = unimplemented!();
 //! let space = subspace::elastic_extension(&avatar, Truncation::OFF)?;
-//! let mut simulation = space.simulation(1, 1000, Settings::default())?;
+//! let mut simulation = space.simulation(1, Settings::default())?;
 //! simulation.step_blocking()?;
 //! # Ok(())
 //! # }

@@ -146,17 +146,12 @@ impl Subspace {
     ///
     /// # Errors
     /// As [`CpuPotential::with_basis`].
-    pub fn reference(
-        &self,
-        instances: usize,
-        contact_capacity: usize,
-    ) -> Result<CpuPotential<GeneralBasis>> {
+    pub fn reference(&self, instances: usize) -> Result<CpuPotential<GeneralBasis>> {
         CpuPotential::with_basis(
             self.avatar.clone(),
             &self.at_points(),
             &self.on_skin(),
             instances,
-            contact_capacity,
         )
     }
 
@@ -167,10 +162,9 @@ impl Subspace {
     pub fn simulation(
         &self,
         instances: usize,
-        contact_capacity: usize,
         settings: Settings,
     ) -> Result<Simulation<CpuPotential<GeneralBasis>>> {
-        let potential = self.reference(instances, contact_capacity)?;
+        let potential = self.reference(instances)?;
         Simulation::new(&self.avatar, potential, settings)
     }
 

@@ -49,8 +49,7 @@ pub fn run_full_space(
         let kept = Some(path.clone());
         return Ok(FullSpaceRun { avatar, run, kept });
     }
-    let contacts = avatar.skin.len() * scene.collider_count();
-    let potential = CpuPotential::new(avatar.clone(), 1, contacts)?;
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
     let solver = Box::new(SparseCholesky::new(potential.pattern())?);
     let mut simulation = Simulation::with_solver(&avatar, potential, scene.settings, solver)?;
     let run = run_scene(scene, &avatar, &mut simulation, progress)?;

@@ -43,7 +43,7 @@ fn stream(avatar: &Avatar, folder: &Path, frames: usize) -> String {
 }
 
 fn run(scene: &Scene, avatar: &Arc<Avatar>) -> supple::Result<supple_scene::SceneRun> {
-    let reference = CpuPotential::new(avatar.clone(), 1, 0)?;
+    let reference = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(avatar, reference, scene.settings)?;
     run_scene(scene, avatar, &mut simulation, &mut |_| {})
 }

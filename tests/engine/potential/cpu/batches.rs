@@ -22,7 +22,7 @@ fn run(avatar: &Arc<Avatar>, triples: &[[State; 3]]) -> Vec<(Evaluation, f64, Ve
     let colliders: Vec<_> = (0..triples.len())
         .map(|k| [floor(-0.02 + 0.004 * k as f64), floor(-0.025)])
         .collect();
-    let mut potential = CpuPotential::new(avatar.clone(), triples.len(), 2000).unwrap();
+    let mut potential = CpuPotential::new(avatar.clone(), triples.len()).unwrap();
     let starts: Vec<_> = triples
         .iter()
         .zip(&colliders)
@@ -110,7 +110,7 @@ fn the_number_of_threads_does_not_change_a_bit() {
 fn an_inactive_instance_is_left_alone() {
     let avatar = avatar();
     let [previous, current, state] = &triples(&avatar)[0];
-    let mut potential = CpuPotential::new(avatar.clone(), 2, 2000).unwrap();
+    let mut potential = CpuPotential::new(avatar.clone(), 2).unwrap();
     let starts = [start(previous, current, &[]); 2];
     let states = [state.clone(), state.clone()];
     let untouched = Evaluation {
@@ -142,7 +142,7 @@ fn a_step_from_the_drawn_pose_has_the_bits_of_one_from_scratch() {
     let [previous, current, state] = &triples(&avatar)[0];
     let colliders = [floor(-0.01)];
     let evaluate = |drawn: &[&State]| {
-        let mut potential = CpuPotential::new(avatar.clone(), 1, 2000).unwrap();
+        let mut potential = CpuPotential::new(avatar.clone(), 1).unwrap();
         for state in drawn {
             block_on(potential.pose_skin(std::slice::from_ref(state))).unwrap();
         }

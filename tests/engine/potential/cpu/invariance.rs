@@ -38,7 +38,7 @@ pub fn posed(avatar: &Avatar, v: usize, frames: &[Frame], state: &State) -> DVec
 fn the_drawn_skin_is_the_parametric_model_moved_by_the_handles() {
     let avatar = avatar();
     let state = random_state(3, &avatar, 1.0, 0.01);
-    let mut potential = CpuPotential::new(avatar.clone(), 1, 1).unwrap();
+    let mut potential = CpuPotential::new(avatar.clone(), 1).unwrap();
     block_on(potential.pose_skin(std::slice::from_ref(&state))).unwrap();
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     block_on(potential.read_skin(0, &mut positions, &mut normals)).unwrap();
@@ -69,7 +69,7 @@ fn a_scene_moved_rigidly_has_the_same_energy_and_a_turned_gradient() {
         handles: state.handles.clone(),
     };
     let evaluate = |states: [&State; 3], collider: Collider, tissue_gravity| {
-        let mut potential = CpuPotential::new(avatar.clone(), 1, 2000).unwrap();
+        let mut potential = CpuPotential::new(avatar.clone(), 1).unwrap();
         let colliders = [collider];
         let begin = StepStart {
             tissue_gravity,

@@ -21,7 +21,7 @@ fn a_general_basis_gives_what_the_scalar_one_gives() {
         general(&case.avatar.skin.basis),
     );
     let avatar = Arc::new(case.avatar.clone());
-    let other = CpuPotential::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap();
+    let other = CpuPotential::with_basis(avatar, &cubature, &skin, 1).unwrap();
     let mut other = case.begun(other);
     let mut scalar = case.reference();
     let [.., state] = case.states();
@@ -51,8 +51,7 @@ fn a_basis_that_is_not_scalar_has_true_derivatives_too() {
         mixed(&case.avatar.skin.basis),
     );
     let avatar = Arc::new(case.avatar.clone());
-    let mut potential =
-        case.begun(CpuPotential::with_basis(avatar, &cubature, &skin, 1, 1000).unwrap());
+    let mut potential = case.begun(CpuPotential::with_basis(avatar, &cubature, &skin, 1).unwrap());
     let [.., state] = case.states();
     let evaluation = evaluate(&mut potential, &state);
     let dofs = evaluation.gradient.len();

@@ -212,6 +212,6 @@ impl Case {
     }
 
     pub fn reference(&self) -> CpuPotential {
-        self.begun(CpuPotential::new(Arc::new(self.avatar.clone()), 1, 1000).unwrap())
+        self.begun(CpuPotential::new(Arc::new(self.avatar.clone()), 1).unwrap())
     }
 }

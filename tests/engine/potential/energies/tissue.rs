@@ -189,7 +189,7 @@ impl Tissue {
             }
         }
         let [previous, current, state] = states(&avatar);
-        let mut potential = CpuPotential::new(Arc::new(avatar), 1, 1000).unwrap();
+        let mut potential = CpuPotential::new(Arc::new(avatar), 1).unwrap();
         let start = StepStart {
             time_step: setup.time_step,
             previous: &previous,

@@ -134,7 +134,7 @@ fn it_agrees_with_the_f64_evaluation() {
 
 fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {
     let mut on_device = potential(gpu, avatar, 1, GpuOptions::default());
-    let mut reference = CpuPotential::new(avatar.clone(), 1, 2048).unwrap();
+    let mut reference = CpuPotential::new(avatar.clone(), 1).unwrap();
     let (got, want) = (run(&mut on_device, &[case]), run(&mut reference, &[case]));
     // Some hundred roundings of 6e-8 in each of a few stages; tests of single kernels bound them sharply.
     let tolerance = 1e-4;

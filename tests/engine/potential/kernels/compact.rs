@@ -74,7 +74,7 @@ pub fn compact(scene: &Scene) -> Outcome {
     let candidates: Vec<Candidate> = all.iter().map(candidate).collect();
     let mut want = Vec::new();
     let (areas, colliders) = (&set.measure, &scene.colliders);
-    let active = compact_twin::compact(&candidates, areas, colliders, OPTIONS_CONTACTS, &mut want);
+    let active = compact_twin::compact(&candidates, areas, colliders, &mut want);
     let rubbing = slid(scene, phase, phase.slot(), None);
     for [_, (contact, slip)] in &rubbing {
         want.extend(friction_twin::rows(contact, slip, smoothing()));

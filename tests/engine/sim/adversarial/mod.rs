@@ -38,7 +38,7 @@ fn settings(solver: SolverMode) -> Settings {
 }
 
 fn cpu(avatar: &Arc<Avatar>, solver: SolverMode) -> Simulation<CpuPotential> {
-    let potential = CpuPotential::new(avatar.clone(), 1, 5 * avatar.skin.len()).unwrap();
+    let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
     Simulation::new(avatar, potential, settings(solver)).unwrap()
 }
 

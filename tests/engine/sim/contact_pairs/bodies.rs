@@ -107,7 +107,7 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
 fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
     let (avatar, mut state, ball) = pair(0.0);
     state.frames[0].position.z = 0.02;
-    let mut potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000)?;
+    let mut potential = CpuPotential::new(Arc::new(avatar.clone()), 1)?;
     let contacts = |potential: &mut CpuPotential, ball: Collider| -> Result<usize> {
         let colliders = [ball];
         let start = StepStart {

@@ -77,7 +77,7 @@ fn blocks(count: usize) -> Avatar {
 }
 
 fn simulation(avatar: &Avatar, solver: SolverMode) -> Result<Simulation<CpuPotential>> {
-    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000)?;
+    let potential = CpuPotential::new(Arc::new(avatar.clone()), 1)?;
     let settings = Settings {
         solver,
         ..Settings::default()

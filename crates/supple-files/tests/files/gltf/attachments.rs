@@ -239,7 +239,7 @@ fn attachments_touch_nothing() {
             position: DVec3::new(place, if touches { 0.0 } else { 0.06 }, 0.0),
             ..Frame::IDENTITY
         };
-        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1, 1000).unwrap();
+        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1).unwrap();
         let mut simulation = Simulation::new(&avatar, potential, Settings::default()).unwrap();
         simulation.instances_mut()[0].colliders.push(Collider {
             stiffness: 1e6,

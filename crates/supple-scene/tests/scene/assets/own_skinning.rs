@@ -100,7 +100,7 @@ fn of_smpl(path: &Path, avatar: &Avatar) -> f64 {
 /// The drawn skin after some steps under gravity with the bones held at `frames`.
 fn held(avatar: &Avatar, frames: &[Frame]) -> Vec<DVec3> {
     let avatar = Arc::new(avatar.clone());
-    let potential = CpuPotential::new(avatar.clone(), 1, 0).unwrap();
+    let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
     let mut simulation = Simulation::new(&avatar, potential, Settings::default()).unwrap();
     let instance = &mut simulation.instances_mut()[0];
     instance.pose(frames, &avatar.skeleton.parents);

@@ -31,7 +31,7 @@ pub struct Shaken {
 pub fn shake(avatar: &Avatar, how: Shake) -> Shaken {
     const STEPS: usize = 200;
     let avatar = Arc::new(avatar.clone());
-    let potential = CpuPotential::new(avatar.clone(), 1, 0).unwrap();
+    let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
     let settings = Settings::default();
     let mut simulation = Simulation::new(&avatar, potential, settings).unwrap();
     let rest = avatar.rest_state();
