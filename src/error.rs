@@ -1,5 +1,6 @@
 //! The crate's error: one variant for each kind of thing that can go wrong, naming the place and the cure.
 
+use crate::FieldPath;
 use std::path::PathBuf;
 
 /// Result of every fallible function of this crate.
@@ -31,7 +32,7 @@ pub enum Error {
     #[error("{field}: {problem}")]
     Invalid {
         /// The argument or field at fault.
-        field: String,
+        field: FieldPath,
         /// What is wrong, and how to mend it.
         problem: String,
     },
@@ -99,7 +100,7 @@ pub enum GpuError {
 
 impl Error {
     /// An [`Error::Invalid`] of `field`.
-    pub fn invalid(field: impl Into<String>, problem: impl Into<String>) -> Self {
+    pub fn invalid(field: impl Into<FieldPath>, problem: impl Into<String>) -> Self {
         Self::Invalid {
             field: field.into(),
             problem: problem.into(),
@@ -116,6 +117,14 @@ impl Error {
             path: path.into(),
             field: field.into(),
             problem: problem.into(),
+        }
+    }
+
+    /// An [`Error::Invalid`] of a field that `outer` holds; any other as it is.
+    pub fn within(self, outer: &str) -> Self {
+        match self {
+            Self::Invalid { field, problem } => Self::invalid(field.within(outer), problem),
+            other => other,
         }
     }
 

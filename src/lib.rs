@@ -46,6 +46,7 @@
 
 pub mod collider;
 pub mod error;
+mod field_path;
 pub mod file;
 #[cfg(feature = "gpu")]
 pub mod gpu;
@@ -60,6 +61,7 @@ pub mod sim;
 pub mod skeleton;
 
 pub use error::{Error, GpuError, Result};
+pub use field_path::FieldPath;
 pub use glam;
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -151,7 +151,7 @@ impl<'a> Mesh<'a> {
             "0 %".into(),
             told(|r| format!("{:.0}", r.ms_per_step_in_contact.median)),
             format!("{:.2}", self.truth.force()),
-            told(|r| format!("{:.3}", r.min_det_f)),
+            told(|r| format!("{:.3}", r.det_f())),
             "–".into(),
         ]
     }
@@ -289,7 +289,7 @@ impl<'a> Mesh<'a> {
         }
         page.check(
             what("smallest det F"),
-            report.min_det_f,
+            report.det_f(),
             "",
             Bound::AtLeast(0.05),
         );
@@ -313,7 +313,7 @@ impl<'a> Mesh<'a> {
             format!("{error:.1} %"),
             format!("{:.2}", self.in_contact_ms(scene, &avatar)?),
             format!("{:.2}", report.contact_force_n),
-            format!("{:.3}", report.min_det_f),
+            format!("{:.3}", report.det_f()),
             match self.runner.small() {
                 true => "–".into(),
                 false => format!("{:.5}", report.residual_displacement_mm),

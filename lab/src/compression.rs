@@ -104,7 +104,7 @@ fn press(runner: &Runner, page: &mut Page) -> Result<()> {
         rows.push(vec![
             name.clone(),
             format!("{:.1} %", 100.0 * thinner),
-            format!("{:.3}", report.min_det_f),
+            format!("{:.3}", report.det_f()),
             format!("{volume:.1} %"),
             format!("{held:.1} to {free:.1} %"),
             format!("{:.0} N", 0.1 * report.contact_force_n / limb.length),
@@ -119,7 +119,7 @@ fn press(runner: &Runner, page: &mut Page) -> Result<()> {
             ),
             (
                 "smallest det F of all tets and steps",
-                report.min_det_f,
+                report.det_f(),
                 "",
                 Bound::AtLeast(0.1),
             ),

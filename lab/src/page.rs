@@ -96,7 +96,7 @@ impl Page {
     pub fn check_intact(&mut self, of: &str, report: &Report) {
         self.check(
             format!("smallest det F{of}"),
-            report.min_det_f,
+            report.det_f(),
             "",
             Bound::AtLeast(0.05),
         );

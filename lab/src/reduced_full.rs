@@ -183,7 +183,7 @@ fn compare(runner: &Runner, press: &Press, page: &mut Page) -> Result<()> {
         let name = format!("{count} + {}{told}", press.elsewhere);
         rows.push(row(name, 100.0 * error, &avatar, &run));
         if told.is_empty() {
-            least = least.min(run.report.min_det_f);
+            least = least.min(run.report.det_f());
             errors.push((count as f64, 100.0 * error));
             shot.panel.caption = format!("{count} handles: {:.0} % error", 100.0 * error);
             shots.push(shot);
@@ -264,7 +264,7 @@ fn row(name: String, error: f64, avatar: &Avatar, run: &SceneRun) -> Vec<String>
         format!("{error:.1} %"),
         format!("{:.2}", report.full_press_displacement_mm),
         format!("{:.2}", report.contact_force_n),
-        format!("{:.3}", report.min_det_f),
+        format!("{:.3}", report.det_f()),
         format!("{:.1}", 1e6 * inverted),
     ]
 }

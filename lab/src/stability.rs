@@ -91,11 +91,11 @@ fn draw(runner: &Runner) -> Result<Page> {
             ),
             format!("{:.3}", report.max_penetration_mm),
             format!("{:.4}", report.max_joint_gap_mm),
-            format!("{:.3}", report.min_det_f),
+            format!("{:.3}", report.det_f()),
         ]);
         page.check(
             format!("{name}: smallest det F"),
-            report.min_det_f,
+            report.det_f(),
             "",
             Bound::AtLeast(1e-3),
         );

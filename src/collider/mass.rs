@@ -56,7 +56,7 @@ impl Shape {
 }
 
 pub(super) fn no_solid() -> Error {
-    Error::invalid("body.shape", "a half-space is no body: it has no bounds")
+    Error::invalid("shape", "a half-space is no body: it has no bounds")
 }
 
 /// ⟨x²⟩ = r²/5 in a ball, so that its moment of inertia is 2/5 m r².

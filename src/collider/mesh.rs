@@ -95,7 +95,7 @@ struct Cell {
 impl DistanceGrid {
     #[cfg(feature = "mesh-colliders")]
     fn new(surface: &Surface) -> Result<Self> {
-        let refuse = |problem: &str| Err(Error::invalid("collider.shape.mesh", problem));
+        let refuse = |problem: &str| Err(Error::invalid("mesh", problem));
         let count = surface.positions.len() as u32;
         if surface.triangles.is_empty() {
             return refuse("holds no triangle");
@@ -116,7 +116,7 @@ impl DistanceGrid {
         let triangles = surface.triangles.clone();
         // Without orientation nothing would be inside.
         let mesh = TriMesh::with_flags(places, triangles, TriMeshFlags::ORIENTED)
-            .map_err(|e| Error::invalid("collider.shape.mesh", e.to_string()))?;
+            .map_err(|e| Error::invalid("mesh", e.to_string()))?;
         let distance = |place: DVec3| {
             let p = vector(&place);
             let nearest = mesh.project_local_point(p, false);

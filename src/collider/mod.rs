@@ -164,7 +164,7 @@ impl Shape {
         let sizes: &[(&str, f64)] = match self {
             // A mesh was checked when it was made.
             Self::HalfSpace | Self::Mesh(_) => &[],
-            Self::Sphere { radius } => &[("collider.shape.radius", *radius)],
+            Self::Sphere { radius } => &[("radius", *radius)],
             Self::Capsule {
                 radius,
                 half_length,
@@ -172,16 +172,13 @@ impl Shape {
             | Self::Cylinder {
                 radius,
                 half_length,
-            } => &[
-                ("collider.shape.radius", *radius),
-                ("collider.shape.half_length", *half_length),
-            ],
+            } => &[("radius", *radius), ("half_length", *half_length)],
             Self::Box {
                 half_extents: [x, y, z],
             } => &[
-                ("collider.shape.half_extents[0]", *x),
-                ("collider.shape.half_extents[1]", *y),
-                ("collider.shape.half_extents[2]", *z),
+                ("half_extents[0]", *x),
+                ("half_extents[1]", *y),
+                ("half_extents[2]", *z),
             ],
         };
         for (field, size) in sizes {
@@ -277,13 +274,11 @@ impl Collider {
         }
     }
 
-    /// Checks sizes, frames, stiffness, margin and friction; whether there is such a body, the potential checks.
+    /// Checks sizes, frames, stiffness, margin and friction; whether there is such a body, the potential checks. As every
+    /// `validate` of a value that others hold, it names the field as seen from the value.
     pub fn validate(&self) -> Result<()> {
-        self.shape.validate()?;
-        for (field, frame) in [
-            ("collider.frame", self.frame),
-            ("collider.previous", self.previous),
-        ] {
+        self.shape.validate().map_err(|e| e.within("shape"))?;
+        for (field, frame) in [("frame", self.frame), ("previous", self.previous)] {
             let r = frame.rotation;
             let skewness = (r.transpose() * r - DMat3::IDENTITY).to_cols_array();
             let is_rotation =
@@ -292,16 +287,16 @@ impl Collider {
                 return Err(Error::invalid(field, "is not a finite rigid placement"));
             }
         }
-        positive("collider.stiffness", self.stiffness, "Pa/m")?;
+        positive("stiffness", self.stiffness, "Pa/m")?;
         if !(self.margin >= 0.0 && self.margin.is_finite()) {
             return Err(Error::invalid(
-                "collider.margin",
+                "margin",
                 format!("{}; must be zero or positive (m)", self.margin),
             ));
         }
         if !(0.0..=Self::MOST_FRICTION).contains(&self.friction) {
             return Err(Error::invalid(
-                "collider.friction",
+                "friction",
                 format!("{}; must be 0 to {}", self.friction, Self::MOST_FRICTION),
             ));
         }

@@ -165,35 +165,35 @@ fn unusable_colliders_are_refused_by_name() {
                 shape: Shape::Sphere { radius: -1.0 },
                 ..good.clone()
             },
-            "collider.shape.radius",
+            "shape.radius",
         ),
         (
             Collider {
                 stiffness: f64::NAN,
                 ..good.clone()
             },
-            "collider.stiffness",
+            "stiffness",
         ),
         (
             Collider {
                 margin: -1.0,
                 ..good.clone()
             },
-            "collider.margin",
+            "margin",
         ),
         (
             Collider {
                 friction: 10.5,
                 ..good.clone()
             },
-            "collider.friction",
+            "friction",
         ),
         (
             Collider {
                 frame: sheared,
                 ..good.clone()
             },
-            "collider.frame",
+            "frame",
         ),
     ] {
         let message = bad.validate().unwrap_err().to_string();

@@ -85,11 +85,8 @@ impl AvatarFile {
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self> {
         let mut others = sections::split(bytes, path)?;
         let avatar = parts::to_avatar(&mut others, path)?;
-        match avatar.validate() {
-            Ok(()) => Ok(Self { avatar, others }),
-            Err(Error::Invalid { field, problem }) => Err(Error::format(path, field, problem)),
-            Err(other) => Err(other),
-        }
+        avatar.validate().map_err(|e| e.of_file(path))?;
+        Ok(Self { avatar, others })
     }
 
     /// Writes the file: beside `path` first, then renamed, so that no half file is ever seen.

@@ -27,6 +27,13 @@ pub struct SoftLayer {
     pub tissue: Vec<LocalTissue>,
 }
 
+impl SoftLayer {
+    /// Whether there is none: the avatar was written with what a step reads and no more.
+    pub fn is_empty(&self) -> bool {
+        self.mesh.nodes.is_empty()
+    }
+}
+
 /// A baked avatar, constant while it is simulated. What changes is [`State`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Avatar {
@@ -60,7 +67,7 @@ pub struct Avatar {
     /// Whether the rest shape already sags under gravity (a captured shape does); then the tissue's
     /// weight loads the bones and not the handles.
     pub captured_under_gravity: bool,
-    /// The mesh behind the cubature.
+    /// The mesh behind the cubature; empty where the file was written without it.
     pub layer: SoftLayer,
     /// Rigid bodies in the same system ([`Avatar::with_bodies`]): the last frames, skin vertices and
     /// triangles are theirs. They are no part of a baked file.
@@ -119,6 +126,20 @@ impl Avatar {
             .collect()
     }
 
+    /// The mesh behind the cubature, where it is needed.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the avatar was written without it.
+    pub fn needed_layer(&self) -> Result<&SoftLayer> {
+        match self.layer.is_empty() {
+            false => Ok(&self.layer),
+            true => Err(Error::invalid(
+                "layer",
+                "the avatar was written without its soft layer; bake it with it (supple bake, no --without-layer)",
+            )),
+        }
+    }
+
     /// Mass of the tissue, kg.
     pub fn tissue_mass(&self) -> f64 {
         self.density * self.cubature.measure.iter().sum::<f64>()
@@ -137,9 +158,13 @@ impl Avatar {
         let (nodes, tets) = (layer.mesh.nodes.len(), layer.mesh.tets.len());
         layer.skinning.validate("layer.skinning", nodes)?;
         layer.basis.validate("layer.basis", nodes)?;
+        let embedded = match layer.is_empty() {
+            true => 0,
+            false => self.tissue_vertices(),
+        };
         layer
             .skin_embedding
-            .validate("layer.skin_embedding", self.tissue_vertices())?;
+            .validate("layer.skin_embedding", embedded)?;
         self.attached.validate("attached", self.attached.len())?;
         (self.render_meshes.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
         let check = |ok: bool, field: &str, problem: &str| {

@@ -39,10 +39,10 @@ impl RigidBody {
     /// # Errors
     /// [`Error::Invalid`] of sizes or a density that are none, and of a solid without bounds.
     pub fn new(name: impl Into<String>, shape: Shape, density: f64) -> Result<Self> {
-        shape.validate()?;
+        shape.validate().map_err(|e| e.within("shape"))?;
         if !(density > 0.0 && density.is_finite()) {
             let problem = format!("{density}; must be positive (kg/m³)");
-            return Err(Error::invalid("body.density", problem));
+            return Err(Error::invalid("density", problem));
         }
         let like = Collider::new(shape.clone(), Frame::IDENTITY);
         Ok(Self {
@@ -107,7 +107,7 @@ impl Avatar {
         if !(body.mass.mass() > 0.0 && body.mass.mass().is_finite()) {
             return Err(Error::invalid(field(".mass"), "must be positive (kg)"));
         }
-        body.collider(frame).validate()?;
+        (body.collider(frame).validate()).map_err(|e| e.within(&field("")))?;
         self.skeleton.names.push(body.name.clone());
         self.skeleton.parents.push(None);
         self.skeleton.joints.push(body.place.position);
@@ -173,7 +173,8 @@ impl Avatar {
                     "has not its own root frame and surface; add it by Avatar::with_bodies";
                 return Err(Error::invalid(format!("bodies.{}", body.name), problem));
             }
-            body.collider(frame).validate()?;
+            let of_body = |e: Error| e.within(&format!("bodies.{}", body.name));
+            body.collider(frame).validate().map_err(of_body)?;
         }
         Ok(())
     }

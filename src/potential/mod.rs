@@ -50,11 +50,12 @@ impl StepStart<'_> {
                 format!("{}; must be positive (m/s)", self.slip_speed),
             ));
         }
-        for collider in self.colliders {
-            collider.validate()?;
+        for (i, collider) in self.colliders.iter().enumerate() {
+            let field = format!("colliders[{i}]");
+            collider.validate().map_err(|e| e.within(&field))?;
             if let Some(body) = collider.body.filter(|c| !body_frames.contains(c)) {
                 return Err(Error::invalid(
-                    "collider.body",
+                    format!("{field}.body"),
                     format!(
                         "frame {body} cannot carry a collider: only frames without a parent \
                          that move no tissue can"

@@ -48,7 +48,8 @@ pub fn bake(
     recipe: &Recipe,
     progress: &mut Progress<'_>,
 ) -> Result<(Avatar, BakeReport)> {
-    recipe.validate()?;
+    let of_recipe = |e: Error| e.within("recipe");
+    recipe.validate().map_err(of_recipe)?;
     let mut clock = Clock::new(progress);
 
     clock.start(0);
@@ -140,7 +141,7 @@ pub fn bake(
     let material =
         (recipe.material).unwrap_or_else(|| automatic::material(&softness, recipe.density));
     let mut skeleton = body.skeleton.clone();
-    set_limits(&mut skeleton, &recipe.limits)?;
+    set_limits(&mut skeleton, &recipe.limits).map_err(of_recipe)?;
     let avatar = Avatar {
         name: body.name.clone(),
         skeleton,

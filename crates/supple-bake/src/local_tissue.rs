@@ -82,7 +82,7 @@ pub(crate) fn local_tissue(
     let shares = regions
         .iter()
         .enumerate()
-        .map(|(r, region)| Share::new(body, &maps, region, &format!("stiffness[{r}]")))
+        .map(|(r, region)| Share::new(body, &maps, region, &format!("recipe.stiffness[{r}]")))
         .collect::<Result<Vec<_>>>()?;
     let along = bone_directions(&body.skeleton, body);
     Ok(par_map(layer.mesh.tets.len(), |t| {
@@ -151,7 +151,7 @@ fn painted_maps<'a>(
     let mut maps = BTreeMap::new();
     for (r, region) in regions.iter().enumerate() {
         if let Some(name) = &region.painted {
-            let map = body.painted_map(name, &format!("stiffness[{r}].painted"))?;
+            let map = body.painted_map(name, &format!("recipe.stiffness[{r}].painted"))?;
             maps.insert(name.as_str(), map);
         }
     }

@@ -4,9 +4,10 @@ use super::bake_report::print_bake_report;
 use super::make_folder;
 use super::terminal::{baking, print, print_json};
 use std::path::{Path, PathBuf};
+use supple::file::Parts;
 use supple::model::Avatar;
 use supple::{Error, Result};
-use supple_bake::{BakeReport, bake, write_baked};
+use supple_bake::{BakeReport, bake, baked_file};
 use supple_pictures::write_bake_pictures;
 use supple_scene::{AvatarSource, SourceBody, avatar_source_of, read_recipe_for};
 
@@ -30,6 +31,9 @@ pub struct Arguments {
     /// No pictures.
     #[arg(long)]
     no_pictures: bool,
+    /// Leave out what no step reads: a file for a game, a fifth of the size; no det F over tets, no full space.
+    #[arg(long)]
+    without_layer: bool,
     /// Write the bake's figures to stdout as JSON.
     #[arg(long)]
     json: bool,
@@ -44,7 +48,11 @@ impl Arguments {
         if let Some(folder) = output.parent() {
             make_folder(folder)?;
         }
-        write_baked(&avatar, &report, &output)?;
+        let parts = match self.without_layer {
+            true => Parts::Step,
+            false => Parts::All,
+        };
+        baked_file(&avatar, Some(&report))?.write(parts, &output)?;
         let pictures = (!self.no_pictures).then(|| match &self.pictures {
             Some(folder) => folder.clone(),
             None => output.with_extension("bake"),
@@ -86,25 +94,14 @@ impl Arguments {
         } = source.read().map_err(|e| name_file(e, &self.file))?;
         let baked = bake(&body, &recipe, &mut baking(&body.name));
         let recipe = self.recipe.as_ref().unwrap_or(&self.file);
-        // Which of the recipe's tables a field of the bake's errors is in.
-        let table = |field: &str| {
-            let starts = |keys: &[&str]| keys.iter().any(|key| field.starts_with(key));
-            if starts(&["handles", "cubature", "mesher", "material", "truncation"]) {
-                Some("bake.")
-            } else if starts(&["thickness", "painted_thickness", "layers", "nodes", "cell"]) {
-                Some("bake.mesher.")
-            } else {
-                None
-            }
-        };
-        let named = baked.map_err(|e| match e {
-            Error::Invalid { field, problem } => match table(&field) {
-                Some(table) => Error::format(recipe, format!("{table}{field}"), problem),
+        let named = |e: Error| match e {
+            Error::Invalid { field, problem } => match field.inside("recipe") {
+                Some(key) => Error::format(recipe, key.within("bake"), problem),
                 None => Error::format(&self.file, field, problem),
             },
             other => name_file(other, &self.file),
-        });
-        let (avatar, report) = named?;
+        };
+        let (avatar, report) = baked.map_err(named)?;
         Ok((avatar, BakeReport { notes, ..report }))
     }
 

@@ -223,10 +223,9 @@ fn time_stages(potential: &mut GpuPotential, breakdown: &mut Breakdown) -> Resul
 fn warn_of_the_implausible(r: &Report) {
     /// Beyond this a joint is torn, mm.
     const TORN: f64 = 10.0;
-    if r.min_det_f <= 0.0 {
+    if let Some(det) = r.min_det_f.filter(|det| *det <= 0.0) {
         eprintln!(
-            "warning: tets were inverted (smallest det F {:.3}): more handles in the volume, or a gentler press, would help",
-            r.min_det_f
+            "warning: tets were inverted (smallest det F {det:.3}): more handles in the volume, or a gentler press, would help"
         );
     }
     if r.max_joint_gap_mm > TORN {
@@ -262,7 +261,13 @@ fn print_report(r: &Report) {
                 ms.evaluation, ms.force, ms.hessian, ms.readback, ms.solve, ms.skin, ms.skeleton
             ),
         ),
-        ("smallest det F", format!("{:.3}", r.min_det_f)),
+        (
+            "smallest det F",
+            r.min_det_f
+                .map_or("not known: baked without its layer".into(), |det| {
+                    format!("{det:.3}")
+                }),
+        ),
         ("penetration", format!("{:.3} mm", r.max_penetration_mm)),
         ("joint gap", format!("{:.4} mm", r.max_joint_gap_mm)),
         (

@@ -14,7 +14,7 @@ use crate::motion::{MotionClip, MotionFrame, UpAxis};
 use crate::{file, npz};
 use glam::{DQuat, DVec3};
 use std::path::Path;
-use supple::{Error, Result};
+use supple::Result;
 
 /// Reads the motion at `path`.
 ///
@@ -69,10 +69,7 @@ pub fn parse_amass(bytes: &[u8], path: &Path) -> Result<MotionClip> {
             .map(frame)
             .collect(),
     };
-    clip.validate().map_err(|e| match e {
-        Error::Invalid { field, problem } => Error::format(path, field, problem),
-        other => other,
-    })?;
+    clip.validate().map_err(|e| e.of_file(path))?;
     Ok(clip)
 }
 

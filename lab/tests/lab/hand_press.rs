@@ -37,7 +37,7 @@ fn the_demo_meets_its_bars() {
     assert!(r.full_press_displacement_mm >= 3.0);
     assert!((5.0..=30.0).contains(&r.contact_force_n));
     assert!((r.load_n / r.contact_force_n - 1.0).abs() < 0.01);
-    assert!(r.min_det_f > 0.0);
+    assert!(r.det_f() > 0.0);
     assert!(r.max_penetration_mm <= 1.0);
     assert!(r.max_joint_gap_mm <= 0.5);
     assert!(r.residual_displacement_mm <= 0.01);

@@ -173,7 +173,10 @@ impl Cubature {
         stiffness: &[f64],
     ) -> Result<Self> {
         if count < 5 {
-            return Err(Error::invalid("cubature.points", "at least 5 are needed"));
+            return Err(Error::invalid(
+                "recipe.cubature.points",
+                "at least 5 are needed",
+            ));
         }
         let candidates = candidates(tissue, TETS_PER_POINT * count);
         if TETS_PER_POINT * count >= candidates.len() {

@@ -11,8 +11,10 @@ use supple::model::{Avatar, BasisEntry, PointSet, PoseBlend, SoftLayer};
 /// `avatar` with every tet of its layer as a cubature point, in the same basis.
 ///
 /// # Errors
-/// [`supple::Error::Solve`] where pose blend shapes cannot be extended into the layer.
+/// [`supple::Error::Invalid`] where the avatar was written without its layer; [`supple::Error::Solve`] where pose blend
+/// shapes cannot be extended into it.
 pub fn all_tets(avatar: &Avatar) -> Result<Avatar> {
+    avatar.needed_layer()?;
     Ok(Avatar {
         name: format!("{}, all tets", avatar.name),
         cubature: whole_layer(avatar, &avatar.layer.basis)?,
@@ -27,7 +29,7 @@ pub fn all_tets(avatar: &Avatar) -> Result<Avatar> {
 /// # Errors
 /// As [`all_tets`].
 pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
-    let layer = &avatar.layer;
+    let layer = avatar.needed_layer()?;
     let mut handles = Vec::new();
     let mut basis = Rows::default();
     for (node, bone) in layer.bone_of_node.iter().enumerate() {

@@ -81,7 +81,7 @@ impl Handles {
     ) -> Result<Self> {
         let mut handles = Self::default();
         for (r, region) in regions.iter().enumerate() {
-            let field = format!("handles[{r}]");
+            let field = format!("recipe.handles[{r}]");
             let before = handles.positions.len();
             if !(region.soft >= 0.0 && region.soft.is_finite()) {
                 let problem = format!("must be 0 (even) or positive, is {}", region.soft);
@@ -120,7 +120,7 @@ impl Handles {
             handles.per_region.push(handles.positions.len() - before);
         }
         if handles.positions.is_empty() {
-            return Err(Error::invalid("handles", "at least one is needed"));
+            return Err(Error::invalid("recipe.handles", "at least one is needed"));
         }
         Ok(handles)
     }

@@ -121,7 +121,10 @@ impl Solid<'_> {
     /// The cell that gives about `nodes` nodes: a few coarsely sampled tries.
     fn cell_for_nodes(&self, nodes: usize) -> Result<f64> {
         if !(50..=2_000_000).contains(&nodes) {
-            return Err(Error::invalid("nodes", "must be 50 to 2,000,000"));
+            return Err(Error::invalid(
+                "recipe.mesher.nodes",
+                "must be 50 to 2,000,000",
+            ));
         }
         let volume = self.skin.volume().max(0.0);
         // Two nodes a cell, and half as much again where tets stick out.
@@ -160,7 +163,7 @@ impl Solid<'_> {
         if !(cell > 0.0 && count(per_cell) <= MOST_SAMPLES) {
             let least = size.element_product().cbrt() * coarse as f64 / MOST_SAMPLES.cbrt();
             return Err(Error::invalid(
-                "cell",
+                "recipe.mesher.cell",
                 format!("must be above {least:.2e} m for this skin"),
             ));
         }

@@ -71,13 +71,16 @@ impl ShellOptions {
     pub fn validate(&self, body: &Body) -> Result<()> {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         if self.thickness.is_some_and(|t| !positive(t)) {
-            return Err(Error::invalid("thickness", "must be positive (m)"));
+            return Err(Error::invalid(
+                "recipe.mesher.thickness",
+                "must be positive (m)",
+            ));
         }
         if self.layers.is_some_and(|n| !(1..=16).contains(&n)) {
-            return Err(Error::invalid("layers", "must be 1 to 16"));
+            return Err(Error::invalid("recipe.mesher.layers", "must be 1 to 16"));
         }
         for (name, value) in &self.thickness_of_bone {
-            let field = format!("thickness_of_bone.{name}");
+            let field = format!("recipe.mesher.thickness_of_bone.{name}");
             if !(*value >= 0.0 && value.is_finite()) {
                 return Err(Error::invalid(field, "must be zero or positive (m)"));
             }
@@ -93,7 +96,7 @@ impl ShellOptions {
             Some(name) if !body.painted.contains_key(name) => {
                 let maps: Vec<&str> = body.painted.keys().map(String::as_str).collect();
                 let problem = format!("no such map is painted; there are [{}]", maps.join(", "));
-                Err(Error::invalid("painted_thickness", problem))
+                Err(Error::invalid("recipe.mesher.painted_thickness", problem))
             }
             _ => Ok(()),
         }

@@ -66,11 +66,7 @@ pub fn parse_bvh(text: &str, path: &Path, options: &BvhOptions) -> Result<Motion
             .collect(),
         translated,
     };
-    let broken = |e| match e {
-        Error::Invalid { field, problem } => Error::format(path, field, problem),
-        other => other,
-    };
-    clip.validate().map_err(broken)?;
+    clip.validate().map_err(|e| e.of_file(path))?;
     Ok(clip)
 }
 

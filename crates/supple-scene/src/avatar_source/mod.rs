@@ -171,10 +171,7 @@ impl AvatarSource {
             let problem = format!("must be positive (m a unit), is {scale}");
             return Err(Error::invalid("avatar.scale", problem));
         }
-        let of_bake = |e: Error| match e {
-            Error::Invalid { field, problem } => Error::invalid(format!("bake.{field}"), problem),
-            other => other,
-        };
+        let of_bake = |e: Error| e.within("bake");
         (self.bake.iter()).try_for_each(|recipe| recipe.validate().map_err(of_bake))
     }
 

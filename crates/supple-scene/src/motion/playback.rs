@@ -42,12 +42,7 @@ impl Playback {
     pub fn open(motion: &TrackedMotion, skeleton: &Skeleton, up: DVec3) -> Result<Self> {
         motion.validate()?;
         let path = motion.file.as_path();
-        let of_file = |e: Error| match e {
-            Error::Invalid { field, problem } => {
-                Error::format(path, format!("motion.{field}"), problem)
-            }
-            other => other,
-        };
+        let of_file = |e: Error| e.within("motion").of_file(path);
         if let Some(clip) = read_motion(motion)? {
             let clip = if motion.mirror {
                 mirrored_clip(&clip)

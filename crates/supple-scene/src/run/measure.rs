@@ -36,7 +36,7 @@ impl<'a> Measures<'a> {
             displacement: vec![DVec3::ZERO; avatar.skin.len()],
             settled_displacement: vec![DVec3::ZERO; avatar.skin.len()],
             report: Report {
-                min_det_f: 1.0,
+                min_det_f: (!avatar.layer.is_empty()).then_some(1.0),
                 ..Report::default()
             },
         }
@@ -64,12 +64,12 @@ impl<'a> Measures<'a> {
         r.max_penetration_mm = r
             .max_penetration_mm
             .max(penetration(self.avatar, instance, skin) * MM);
-        let det = min_det_f(&self.avatar.layer, &instance.state);
-        r.min_det_f = if det < r.min_det_f || det.is_nan() {
-            det
-        } else {
-            r.min_det_f
-        };
+        if let Some(least) = &mut r.min_det_f {
+            let det = min_det_f(&self.avatar.layer, &instance.state);
+            if det < *least || det.is_nan() {
+                *least = det;
+            }
+        }
         let elastic = elastic_energy(self.avatar, &instance.state);
         r.energy.elastic_largest = r.energy.elastic_largest.max(elastic);
         r.energy.elastic_end = elastic;

@@ -36,8 +36,8 @@ pub struct Report {
     /// Medians of a step's parts, ms. On a GPU, force and Hessian are those of one evaluation, timed
     /// kernel by kernel after the run.
     pub breakdown_ms: Breakdown,
-    /// Smallest det F over all tets and steps; 0 and below is an inverted tet.
-    pub min_det_f: f64,
+    /// Smallest det F over all tets and steps; 0 and below is an inverted tet. None of an avatar without its soft layer.
+    pub min_det_f: Option<f64>,
     /// Deepest point of the drawn skin inside a collider over all steps, mm.
     pub max_penetration_mm: f64,
     /// Widest gap of a joint over all steps, mm.
@@ -60,6 +60,13 @@ pub struct Report {
     pub residual_displacement_mm: f64,
     /// The tissue's energy.
     pub energy: EnergyReport,
+}
+
+impl Report {
+    /// [`Report::min_det_f`] where a number is needed; NaN, which no bound holds, where there is none.
+    pub fn det_f(&self) -> f64 {
+        self.min_det_f.unwrap_or(f64::NAN)
+    }
 }
 
 /// Median and 95th percentile, ms.

@@ -172,10 +172,7 @@ impl Scene {
         for (i, collider) in self.colliders.iter().enumerate() {
             let field = format!("colliders[{i}]");
             collider.motion.validate(&format!("{field}.motion"))?;
-            collider.shape.validate().map_err(|e| match e {
-                Error::Invalid { problem, .. } => Error::invalid(format!("{field}.shape"), problem),
-                other => other,
-            })?;
+            (collider.shape.validate()).map_err(|e| e.within("shape").within(&field))?;
             check(
                 collider.stiffness > 0.0,
                 format!("{field}.stiffness"),
@@ -196,13 +193,7 @@ impl Scene {
             key.range(&format!("limits[{i}]"))?;
         }
         for (i, body) in self.bodies.iter().enumerate() {
-            let of_body = |e: Error| match e {
-                Error::Invalid { field, problem } => {
-                    let (_, key) = field.split_once('.').unwrap_or(("", &field));
-                    Error::invalid(format!("bodies[{i}].{key}"), problem)
-                }
-                other => other,
-            };
+            let of_body = |e: Error| e.within(&format!("bodies[{i}]"));
             let mass = body.mass.unwrap_or(1.0);
             check(
                 mass > 0.0,

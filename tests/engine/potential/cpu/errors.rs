@@ -67,7 +67,7 @@ fn unusable_input_is_refused_by_name() {
             colliders: &nowhere,
             ..good
         },
-        "collider.margin",
+        "colliders[0].margin",
     );
     let mut broken = rest.clone();
     broken.handles[2].y = f64::INFINITY;

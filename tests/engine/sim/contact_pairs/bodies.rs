@@ -144,6 +144,6 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
         ..ball
     });
     let error = soft.step_blocking().unwrap_err().to_string();
-    assert!(error.contains("collider.body"), "{error}");
+    assert!(error.contains("].body"), "{error}");
     Ok(())
 }
