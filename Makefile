@@ -3,23 +3,23 @@
 # The soft hand pressed on a cylinder; pictures, GLB and report in out/hand_press.
 # `make demo ARGS=--allow-software` takes a software adapter where there is no GPU.
 demo:
-	cargo run --release --features cli -- simulate assets/scenes/hand_press.toml -o out/hand_press $(ARGS)
+	cargo run --release -p supple-cli -- simulate assets/scenes/hand_press.toml -o out/hand_press $(ARGS)
 
 # Every figure of the paper as a scene that is run, drawn and checked: a gallery in out/figures.
 # `make figures ARGS="--only finger_slide"` makes one of them.
 figures:
-	cargo run --release --features cli -- figures -o out/figures $(ARGS)
+	cargo run --release -p supple-lab -- -o out/figures $(ARGS)
 
-# Installs a software Vulkan driver if there is no adapter (Debian), then runs every test.
+# Installs a software Vulkan driver if there is no driver (Debian), then runs every test.
 test:
 	.ci/install-vulkan
-	cargo test --features cli
+	cargo test --workspace
 
 bench:
-	cargo bench --features cli
+	cargo bench
 
 bench-smoke:
-	cargo bench --profile dev --features cli -- --test
+	cargo bench --profile dev -- --test
 
 ci:
 	.ci/run

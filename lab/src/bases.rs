@@ -148,15 +148,9 @@ fn compare(runner: &Runner, study: &Study) -> Result<Page> {
 /// The scene's avatar with so many cubature points.
 fn with_points(runner: &Runner, scene: &Scene, points: usize) -> Result<Arc<Avatar>> {
     let mut scene = scene.clone();
-    let Some(sample) = scene.avatar.sample else {
-        return Err(Error::invalid("avatar", "this figure bakes samples only"));
-    };
-    let mut recipe = match scene.avatar.bake.take() {
-        Some(recipe) => recipe,
-        None => sample.body()?.1,
-    };
+    let (_, mut recipe) = scene.avatar.body()?;
     recipe.cubature.points = Some(points);
-    scene.avatar.bake = Some(recipe);
+    scene.avatar = scene.avatar.baked_by(recipe)?;
     runner.avatar_of(&scene)
 }
 

@@ -18,7 +18,7 @@ use supple_bake::subspace::{Subspace, elastic_extension, harmonic_extension};
 use supple_bake::{CubatureRecipe, HandleRegion, Recipe, Truncation, all_tets};
 use supple_pictures::ColourScale;
 use supple_samples::Sample;
-use supple_scene::AvatarSource;
+use supple_scene::{AvatarSource, BodyOrigin, BodySource};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {
@@ -146,10 +146,15 @@ fn source(runner: &Runner, truncation: Truncation) -> AvatarSource {
         cubature: CubatureRecipe::default(),
         ..limb_recipe()
     };
-    AvatarSource {
+    BodySource {
+        from: BodyOrigin::Sample {
+            sample: Sample::LimbS,
+            betas: Vec::new(),
+        },
+        scale: None,
         bake: Some(recipe),
-        ..AvatarSource::of_sample(Sample::LimbS)
     }
+    .into()
 }
 
 /// A space and how the press went in it.

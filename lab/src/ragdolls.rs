@@ -37,10 +37,12 @@ fn draw(runner: &Runner) -> Result<Page> {
         "Two bodies of different shape hang by their wrists, limp but for a little bending stiffness and the ranges of \
          their joints. A bar pushes both alike and is withdrawn.",
     );
-    let stout = std::mem::take(&mut scene.avatar.betas);
+    let stout = scene.avatar.clone();
+    let mut default = stout.clone();
+    default.set_shape(&[])?;
     let mut dolls = Vec::new();
-    for (name, betas) in [("default", vec![]), ("stout", stout)] {
-        scene.avatar.betas = betas;
+    for (name, avatar) in [("default", default), ("stout", stout)] {
+        scene.avatar = avatar;
         dolls.push(play(runner, &scene, name)?);
     }
     // One scale for both.

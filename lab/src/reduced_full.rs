@@ -292,6 +292,6 @@ fn with_handles(
     ];
     recipe.truncation = truncation;
     recipe.cubature = CubatureRecipe::default();
-    scene.avatar.bake = Some(recipe);
+    scene.avatar = scene.avatar.baked_by(recipe)?;
     Ok(scene)
 }

@@ -143,7 +143,7 @@ fn cases(runner: &Runner) -> Result<Vec<Case>> {
     let mut cases = Vec::new();
     for name in runner.scenes()? {
         let scene = runner.scene(&name)?;
-        let small = matches!(scene.avatar.sample, Some(Sample::Finger | Sample::LimbS));
+        let small = matches!(scene.avatar.sample(), Some(Sample::Finger | Sample::LimbS));
         if runner.small() && !small {
             continue;
         }

@@ -94,7 +94,7 @@ fn measure(runner: &Runner, subject: &Subject, page: &mut Page) -> Result<()> {
         let mut scene = scene.clone();
         let (_, mut recipe) = scene.avatar.body()?;
         recipe.cubature.points = Some(points);
-        scene.avatar.bake = Some(recipe);
+        scene.avatar = scene.avatar.baked_by(recipe)?;
         own = runner.avatar_of(&scene)?;
         let potential = CpuPotential::new(own.clone(), 1)?;
         let simulation = Simulation::new(&own, potential, scene.settings)?;

@@ -2,13 +2,14 @@
 
 use super::make_folder;
 use super::terminal::print;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use supple::{Error, Result};
 use supple_files::TetMeshFile;
 use supple_files::{pose_line, write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh};
 use supple_samples::{Limb, body, hand, hand::grasp, walk};
 use supple_samples::{PALM, SOFT, Sample, map_of};
-use supple_scene::AvatarSource;
+use supple_scene::{AvatarSource, BodyOrigin, CharacterSource};
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Model {
@@ -58,12 +59,11 @@ impl Arguments {
                 let body = body()?;
                 write_smpl(&body.model, folder.join("body.npz"))?;
                 write_painted(&map_of(&body.soft), folder.join("body_soft.npy"))?;
-                AvatarSource {
-                    model: Some("body.npz".into()),
+                let character = CharacterSource {
                     painted: [(SOFT.to_string(), "body_soft.npy".into())].into(),
-                    bake: Some(Sample::Body.body()?.1),
-                    ..AvatarSource::default()
-                }
+                    ..CharacterSource::new("body.npz")
+                };
+                AvatarSource::from(character).baked_by(Sample::Body.body()?.1)?
             }
             Model::Hand => {
                 let hand = hand()?;
@@ -71,21 +71,17 @@ impl Arguments {
                 let names = hand.model.names.iter().map(String::as_str);
                 write_obj(names.zip(&hand.bones), folder.join("hand_bones.obj"))?;
                 write_painted(&map_of(&hand.palmar), folder.join("hand_palm.npy"))?;
-                AvatarSource {
-                    model: Some("hand.npz".into()),
+                let character = CharacterSource {
                     bones: Some("hand_bones.obj".into()),
                     painted: [(PALM.to_string(), "hand_palm.npy".into())].into(),
-                    bake: Some(Sample::Hand.body()?.1),
-                    ..AvatarSource::default()
-                }
+                    ..CharacterSource::new("hand.npz")
+                };
+                AvatarSource::from(character).baked_by(Sample::Hand.body()?.1)?
             }
             Model::Finger => {
                 let (body, recipe) = Sample::Finger.body()?;
                 write_obj([("skin", &body.skin)], folder.join("finger_skin.obj"))?;
-                AvatarSource {
-                    bake: Some(recipe),
-                    ..AvatarSource::of_sample(Sample::Finger)
-                }
+                AvatarSource::of_sample(Sample::Finger).baked_by(recipe)?
             }
             Model::Limb => {
                 let (mesh, pinned, surface) = Limb::S.mesh()?;
@@ -95,11 +91,11 @@ impl Arguments {
                     surface,
                 };
                 write_tet_mesh(&file, folder.join("limb.txt"))?;
-                AvatarSource {
-                    mesh: Some("limb.txt".into()),
-                    bake: Some(Sample::LimbS.body()?.1),
-                    ..AvatarSource::default()
-                }
+                let tets = BodyOrigin::Tets {
+                    mesh: "limb.txt".into(),
+                    regions: BTreeMap::new(),
+                };
+                AvatarSource::from(tets).baked_by(Sample::LimbS.body()?.1)?
             }
         };
         let name = format!("{:?}.toml", self.model).to_lowercase();

@@ -10,8 +10,8 @@ mod run;
 mod scene;
 
 pub use avatar_source::{
-    AvatarSource, SourceBody, avatar_source_of, load_avatar, parse_avatar_source,
-    read_avatar_source, read_recipe_for,
+    AvatarSource, BodyOrigin, BodySource, CharacterSource, SourceBody, avatar_source_of,
+    load_avatar, parse_avatar_source, read_avatar_source, read_recipe_for,
 };
 pub use committed::{committed_scenes, unpack_scenes};
 pub use motion::{Playback, PoseFeed, RootTracking, TrackedMotion, read_motion};

@@ -18,7 +18,7 @@ pub fn load_avatar(
     cache: &Path,
     progress: &mut dyn FnMut(&str, usize),
 ) -> Result<Avatar> {
-    if let Some(path) = &source.file {
+    if let AvatarSource::Baked(path) = source {
         return read_avatar(path);
     }
     let path = cache.join(format!("{}.supple", fingerprint(source)?));
@@ -45,9 +45,9 @@ fn fingerprint(source: &AvatarSource) -> Result<Fingerprint> {
 
 fn add_source(source: &AvatarSource, hash: &mut Fingerprint) -> Result<()> {
     hash.add_json("avatar", source)?;
-    source.files().try_for_each(|path| hash.add_file(path))?;
-    match &source.recipe {
-        None => Ok(()),
-        Some(path) => add_source(&read_avatar_source(path)?, hash),
+    (source.files().into_iter()).try_for_each(|path| hash.add_file(path))?;
+    match source {
+        AvatarSource::Recipe(path) => add_source(&read_avatar_source(path)?, hash),
+        _ => Ok(()),
     }
 }

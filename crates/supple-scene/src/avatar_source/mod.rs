@@ -1,54 +1,141 @@
 //! Where an avatar comes from: a baked file, or a body and how it is baked.
 
 mod cache;
+mod keys;
 
 pub use cache::load_avatar;
 
 use crate::scene::parse_toml;
+use keys::Keys;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use supple::model::Surface;
 use supple::{Error, Result};
-use supple_bake::Body;
-use supple_bake::Recipe;
-use supple_files::read_painted;
-use supple_files::{CharacterFile, CharacterOptions, FileKind, read_character};
-use supple_files::{read_closed_obj, read_tets};
-use supple_files::{read_text, read_toml_text};
+use supple_bake::{Body, Recipe};
+use supple_files::{
+    CharacterFile, CharacterOptions, FileKind, read_character, read_closed_obj, read_painted,
+    read_tets, read_text, read_toml_text,
+};
 use supple_samples::{Sample, limb_recipe};
 
-/// An avatar's source: exactly one of `file`, `recipe`, `sample`, `mesh` and `model`, but `mesh` may go with `model`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct AvatarSource {
+/// An avatar's source.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Keys", into = "Keys")]
+pub enum AvatarSource {
     /// A baked file.
-    pub file: Option<PathBuf>,
-    /// A TOML file with these same keys.
-    pub recipe: Option<PathBuf>,
-    /// A body that the crate makes itself.
-    pub sample: Option<Sample>,
-    /// Tets ([`supple_files::read_tets`]): the soft layer of `model`, or alone a body around one bone, whose rest shape is
-    /// that without gravity.
-    pub mesh: Option<PathBuf>,
-    /// A character file of any kind that [`read_character`] knows.
-    pub model: Option<PathBuf>,
-    /// Shape parameters of `model`, in the file's order, or of the sample body.
-    #[serde(alias = "shape", skip_serializing_if = "Vec::is_empty")]
-    pub betas: Vec<f64>,
-    /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
-    pub bones: Option<PathBuf>,
-    /// Maps painted on the skin, by name: `.npy` files, or `.npz` archives with an array of that name, with a number
-    /// for each of the file's vertices. A region of handles may name one.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub painted: BTreeMap<String, PathBuf>,
-    /// Bones that the regions of `mesh` are, by its labels; a label that is a bone's name needs no entry.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub regions: BTreeMap<String, String>,
+    Baked(PathBuf),
+    /// A TOML file that says it.
+    Recipe(PathBuf),
+    /// A body to be baked.
+    Body(Box<BodySource>),
+}
+
+/// A body, and how it is baked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodySource {
+    /// The body.
+    pub from: BodyOrigin,
     /// The size of the file's unit, m: 0.01 for centimetres. 1 if not given.
     pub scale: Option<f64>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
+}
+
+/// Where a body comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyOrigin {
+    /// It is made by the program.
+    Sample {
+        /// Which.
+        sample: Sample,
+        /// Its shape; [`Sample::Body`] alone has several.
+        betas: Vec<f64>,
+    },
+    /// It is a file's.
+    Character(CharacterSource),
+    /// Tets alone: a body around one bone, whose rest shape is that without gravity.
+    Tets {
+        /// Their file ([`read_tets`]).
+        mesh: PathBuf,
+        /// Bones that the regions of `mesh` are, by its labels.
+        regions: BTreeMap<String, String>,
+    },
+}
+
+/// A character file of any kind that [`read_character`] knows, and what goes with it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CharacterSource {
+    /// The file.
+    pub model: PathBuf,
+    /// Shape parameters in the file's order.
+    pub betas: Vec<f64>,
+    /// Closed bone surfaces: OBJ objects with its bones' names.
+    pub bones: Option<PathBuf>,
+    /// Tets of its soft layer ([`read_tets`]).
+    pub mesh: Option<PathBuf>,
+    /// Bones that the regions of `mesh` are, by its labels; a label that is a bone's name needs no entry.
+    pub regions: BTreeMap<String, String>,
+    /// Maps painted on the skin, by name.
+    pub painted: BTreeMap<String, PathBuf>,
+}
+
+impl CharacterSource {
+    /// The file `model` alone.
+    pub fn new(model: impl Into<PathBuf>) -> Self {
+        Self {
+            model: model.into(),
+            ..Self::default()
+        }
+    }
+
+    fn options(&self) -> CharacterOptions {
+        CharacterOptions {
+            betas: self.betas.clone(),
+            regions: self.regions.clone(),
+        }
+    }
+
+    fn read(&self) -> Result<CharacterFile> {
+        let mut character = read_character(&self.model, &self.options())?;
+        if let Some(path) = &self.bones {
+            let body = &mut character.body;
+            body.bone_surfaces = bones_by_name(&body.skeleton.names, path)?;
+        }
+        if let Some(path) = &self.mesh {
+            let tets = read_tets(path)?;
+            let put = tets.put_into(&mut character.body, &self.regions);
+            put.map_err(|e| e.of_file(path))?;
+        }
+        for (name, path) in &self.painted {
+            let map = read_painted(path, name)?;
+            character.paint(name, &map).map_err(|e| e.of_file(path))?;
+        }
+        Ok(character)
+    }
+}
+
+impl From<BodySource> for AvatarSource {
+    fn from(body: BodySource) -> Self {
+        Self::Body(Box::new(body))
+    }
+}
+
+impl From<BodyOrigin> for AvatarSource {
+    fn from(from: BodyOrigin) -> Self {
+        BodySource {
+            from,
+            scale: None,
+            bake: None,
+        }
+        .into()
+    }
+}
+
+impl From<CharacterSource> for AvatarSource {
+    fn from(character: CharacterSource) -> Self {
+        BodyOrigin::Character(character).into()
+    }
 }
 
 /// Reads an avatar's source from the TOML file at `path`; files that it names lie relative to it.
@@ -63,7 +150,6 @@ pub fn read_avatar_source(path: impl AsRef<Path>) -> Result<AvatarSource> {
 /// Reads an avatar's source from TOML `text` of the file at `path`. See [`read_avatar_source`].
 pub fn parse_avatar_source(text: &str, path: &Path) -> Result<AvatarSource> {
     let mut source: AvatarSource = parse_toml(text, path)?;
-    source.validate().map_err(|e| e.of_file(path))?;
     source.resolve(path.parent().unwrap_or(Path::new("")));
     Ok(source)
 }
@@ -75,14 +161,8 @@ pub fn parse_avatar_source(text: &str, path: &Path) -> Result<AvatarSource> {
 pub fn avatar_source_of(path: impl AsRef<Path>) -> Result<AvatarSource> {
     let path = path.as_ref();
     match FileKind::of(path)? {
-        FileKind::Character(_) => Ok(AvatarSource {
-            model: Some(path.into()),
-            ..AvatarSource::default()
-        }),
-        FileKind::Baked => Ok(AvatarSource {
-            file: Some(path.into()),
-            ..AvatarSource::default()
-        }),
+        FileKind::Character(_) => Ok(CharacterSource::new(path).into()),
+        FileKind::Baked => Ok(AvatarSource::Baked(path.into())),
         FileKind::Toml => {
             let text = read_toml_text(path)?;
             let table: toml::Table = parse_toml(&text, path)?;
@@ -102,77 +182,61 @@ pub fn avatar_source_of(path: impl AsRef<Path>) -> Result<AvatarSource> {
 pub fn read_recipe_for(recipe: impl AsRef<Path>, model: &Path) -> Result<AvatarSource> {
     let path = recipe.as_ref();
     let text = read_toml_text(path)?;
-    let source: AvatarSource = parse_toml(&text, path)?;
-    let mut source = AvatarSource {
+    let keys: Keys = parse_toml(&text, path)?;
+    let keys = Keys {
         file: None,
         recipe: None,
         sample: None,
         mesh: None,
-        model: None,
-        ..source
+        model: Some(model.into()),
+        ..keys
     };
+    let mut source = AvatarSource::try_from(keys).map_err(|e| e.of_file(path))?;
     source.resolve(path.parent().unwrap_or(Path::new("")));
-    source.model = Some(model.into());
-    source.validate().map_err(|e| e.of_file(path))?;
+    if let AvatarSource::Body(body) = &mut source
+        && let BodyOrigin::Character(character) = &mut body.from
+    {
+        character.model = model.into();
+    }
     Ok(source)
 }
 
 impl AvatarSource {
     /// The source of a sample with its own recipe.
     pub fn of_sample(sample: Sample) -> Self {
-        Self {
-            sample: Some(sample),
-            ..Self::default()
+        BodyOrigin::Sample {
+            sample,
+            betas: Vec::new(),
+        }
+        .into()
+    }
+
+    /// The body, where one is to be baked.
+    pub fn body_source(&self) -> Option<&BodySource> {
+        match self {
+            Self::Body(body) => Some(body),
+            _ => None,
         }
     }
 
-    /// Checks that there is one source, and that the other keys belong to it.
-    pub fn validate(&self) -> Result<()> {
-        let given = [
-            ("file", self.file.is_some()),
-            ("recipe", self.recipe.is_some()),
-            ("sample", self.sample.is_some()),
-            ("mesh", self.mesh.is_some()),
-            ("model", self.model.is_some()),
-        ];
-        let given: Vec<_> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
-        if given.len() != 1 && given != ["mesh", "model"] {
-            let problem = format!(
-                "needs exactly one of file, recipe, sample, mesh and model, has {}",
-                if given.is_empty() {
-                    "none".into()
-                } else {
-                    given.join(", ")
-                }
-            );
-            return Err(Error::invalid("avatar", problem));
+    /// The sample, where the body is one.
+    pub fn sample(&self) -> Option<Sample> {
+        match self.body_source()?.from {
+            BodyOrigin::Sample { sample, .. } => Some(sample),
+            _ => None,
         }
-        let of_model = [
-            ("bones", self.bones.is_some()),
-            (
-                "betas",
-                !self.betas.is_empty() && self.sample != Some(Sample::Body),
-            ),
-            ("painted", !self.painted.is_empty()),
-        ];
-        if let (None, Some((key, _))) = (&self.model, of_model.iter().find(|k| k.1)) {
-            let problem = "belongs to a model: name one";
-            return Err(Error::invalid(format!("avatar.{key}"), problem));
+    }
+
+    /// The same body baked by `recipe`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of what is baked already, or has its own recipe.
+    pub fn baked_by(mut self, recipe: Recipe) -> Result<Self> {
+        match &mut self {
+            Self::Body(body) => body.bake = Some(recipe),
+            _ => return Err(Error::invalid("avatar", "is no body to bake")),
         }
-        if self.bake.is_some() && (self.file.is_some() || self.recipe.is_some()) {
-            let problem = "what is baked already, or has its own recipe, takes none here";
-            return Err(Error::invalid("avatar.bake", problem));
-        }
-        if self.mesh.is_none() && self.model.is_none() && !self.regions.is_empty() {
-            let problem = "belong to a mesh: name one";
-            return Err(Error::invalid("avatar.regions", problem));
-        }
-        if let Some(scale) = self.scale.filter(|s| !(*s > 0.0 && s.is_finite())) {
-            let problem = format!("must be positive (m a unit), is {scale}");
-            return Err(Error::invalid("avatar.scale", problem));
-        }
-        let of_bake = |e: Error| e.within("bake");
-        (self.bake.iter()).try_for_each(|recipe| recipe.validate().map_err(of_bake))
+        Ok(self)
     }
 
     /// The recipe's text, as [`parse_avatar_source`] reads it.
@@ -189,38 +253,60 @@ impl AvatarSource {
     /// # Errors
     /// [`Error::Invalid`] of a source that has one shape only.
     pub fn set_shape(&mut self, betas: &[f64]) -> Result<()> {
-        if self.model.is_none() && self.sample != Some(Sample::Body) {
-            let problem = "this body has one shape only; a character file that has shape directions is needed";
-            return Err(Error::invalid("shape", problem));
-        }
-        self.betas = betas.to_vec();
+        let own = match self {
+            Self::Body(body) => match &mut body.from {
+                BodyOrigin::Character(character) => Some(&mut character.betas),
+                BodyOrigin::Sample {
+                    sample: Sample::Body,
+                    betas,
+                } => Some(betas),
+                _ => None,
+            },
+            _ => None,
+        };
+        let problem =
+            "this body has one shape only; a character file that has shape directions is needed";
+        *own.ok_or_else(|| Error::invalid("shape", problem))? = betas.to_vec();
         Ok(())
     }
 
     /// Puts relative paths into `folder`.
     pub fn resolve(&mut self, folder: &Path) {
-        let paths = [
-            &mut self.file,
-            &mut self.recipe,
-            &mut self.mesh,
-            &mut self.model,
-            &mut self.bones,
-        ];
-        for path in paths.into_iter().flatten().chain(self.painted.values_mut()) {
-            *path = folder.join(&*path);
+        let put = |path: &mut PathBuf| *path = folder.join(&*path);
+        match self {
+            Self::Baked(path) | Self::Recipe(path) => put(path),
+            Self::Body(body) => match &mut body.from {
+                BodyOrigin::Sample { .. } => {}
+                BodyOrigin::Tets { mesh, .. } => put(mesh),
+                BodyOrigin::Character(character) => {
+                    put(&mut character.model);
+                    character.bones.iter_mut().for_each(put);
+                    character.mesh.iter_mut().for_each(put);
+                    character.painted.values_mut().for_each(put);
+                }
+            },
         }
     }
 
     /// Every file that the body is read from.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let own = [&self.mesh, &self.model, &self.bones].into_iter().flatten();
-        own.chain(self.painted.values()).map(PathBuf::as_path)
+    pub fn files(&self) -> Vec<&Path> {
+        match self.body_source().map(|body| &body.from) {
+            None | Some(BodyOrigin::Sample { .. }) => Vec::new(),
+            Some(BodyOrigin::Tets { mesh, .. }) => vec![mesh],
+            Some(BodyOrigin::Character(c)) => {
+                let own = [c.mesh.as_ref(), Some(&c.model), c.bones.as_ref()];
+                let own = own.into_iter().flatten();
+                own.chain(c.painted.values())
+                    .map(PathBuf::as_path)
+                    .collect()
+            }
+        }
     }
 
     /// The body to be baked, and how.
     ///
     /// # Errors
-    /// What reading, generating and meshing say; [`Error::Invalid`] of a source that is baked already.
+    /// What reading, generating and meshing say; [`Error::Format`] of a source that is baked already.
     pub fn body(&self) -> Result<(Body, Recipe)> {
         let SourceBody { body, recipe, .. } = self.read()?;
         Ok((body, recipe))
@@ -231,65 +317,42 @@ impl AvatarSource {
     /// # Errors
     /// As [`AvatarSource::body`].
     pub fn read(&self) -> Result<SourceBody> {
-        if let Some(path) = &self.recipe {
-            let source = read_avatar_source(path)?;
-            if source.recipe.is_some() {
-                let problem = "a recipe cannot name another one";
-                return Err(Error::format(path, "recipe", problem));
-            }
-            return source.read();
-        }
-        let mut notes = Vec::new();
-        let (mut body, recipe) = if let Some(sample) = self.sample {
-            sample.shaped(&self.betas)?
-        } else if let Some(path) = &self.model {
-            let mut character = read_character(path, &self.options())?;
-            self.complete(&mut character)?;
-            notes = character.notes;
-            (character.body, Recipe::default())
-        } else if let Some(path) = &self.mesh {
-            (read_character(path, &self.options())?.body, limb_recipe())
-        } else {
-            let problem = "a baked file has no body to bake; name a sample, mesh or model";
-            return Err(match &self.file {
-                Some(path) => Error::format(path, "avatar", "is baked already"),
-                None => Error::invalid("avatar", problem),
-            });
+        let source = match self {
+            Self::Baked(path) => return Err(Error::format(path, "avatar", "is baked already")),
+            Self::Recipe(path) => match read_avatar_source(path)? {
+                Self::Recipe(_) => {
+                    let problem = "a recipe cannot name another one";
+                    return Err(Error::format(path, "recipe", problem));
+                }
+                source => return source.read(),
+            },
+            Self::Body(source) => source,
         };
-        if let Some(scale) = self.scale {
+        let mut notes = Vec::new();
+        let (mut body, recipe) = match &source.from {
+            BodyOrigin::Sample { sample, betas } => sample.shaped(betas)?,
+            BodyOrigin::Character(character) => {
+                let file = character.read()?;
+                notes = file.notes;
+                (file.body, Recipe::default())
+            }
+            BodyOrigin::Tets { mesh, regions } => {
+                let options = CharacterOptions {
+                    betas: Vec::new(),
+                    regions: regions.clone(),
+                };
+                (read_character(mesh, &options)?.body, limb_recipe())
+            }
+        };
+        if let Some(scale) = source.scale {
             body.scale(scale);
         }
         notes.extend(odd_size(&body));
         Ok(SourceBody {
             body,
-            recipe: self.bake.clone().unwrap_or(recipe),
+            recipe: source.bake.clone().unwrap_or(recipe),
             notes,
         })
-    }
-
-    fn options(&self) -> CharacterOptions {
-        CharacterOptions {
-            betas: self.betas.clone(),
-            regions: self.regions.clone(),
-        }
-    }
-
-    /// Gives a model's body its bone surfaces and painted maps.
-    fn complete(&self, character: &mut CharacterFile) -> Result<()> {
-        if let Some(path) = &self.bones {
-            let body = &mut character.body;
-            body.bone_surfaces = bones_by_name(&body.skeleton.names, path)?;
-        }
-        if let Some(path) = &self.mesh {
-            let tets = read_tets(path)?;
-            let put = tets.put_into(&mut character.body, &self.regions);
-            put.map_err(|e| e.of_file(path))?;
-        }
-        for (name, path) in &self.painted {
-            let map = read_painted(path, name)?;
-            character.paint(name, &map).map_err(|e| e.of_file(path))?;
-        }
-        Ok(())
     }
 }
 

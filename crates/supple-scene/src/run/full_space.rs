@@ -72,7 +72,7 @@ fn reads_a_stream(scene: &Scene) -> bool {
 fn fingerprint(scene: &Scene, avatar: &Avatar) -> Result<Fingerprint> {
     let mut hash = Fingerprint::new();
     let scene = Scene {
-        avatar: AvatarSource::default(),
+        avatar: AvatarSource::Baked(PathBuf::new()),
         ..scene.clone()
     };
     let value = serde_json::to_value(&scene)

@@ -145,7 +145,6 @@ impl Scene {
             "must be 1 to 10,000,000",
         )?;
         self.settings.validate()?;
-        self.avatar.validate()?;
         if let Some(material) = &self.material {
             material.validate()?;
         }

@@ -31,7 +31,7 @@ fn every_committed_scene_is_valid() {
 #[test]
 fn the_bone_press_is_the_benchmark() {
     let scene = read_scene(Path::new(FOLDER).join("bone_press_s.toml")).unwrap();
-    assert_eq!(scene.avatar.sample, Some(Sample::LimbS));
+    assert_eq!(scene.avatar.sample(), Some(Sample::LimbS));
     assert_eq!((scene.steps, scene.settings.time_step), (250, 0.01));
     assert_eq!(scene.settings.solver, SolverMode::OneIteration);
     assert_eq!(scene.gravity, DVec3::new(0.0, 0.0, -9.81));
