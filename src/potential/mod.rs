@@ -4,6 +4,7 @@
 //! terms are in [`crate::skeleton`]. Two implementations: the f64 evaluation in
 //! [`crate::potential::cpu`](mod@crate::potential::cpu) and the WGSL kernels in `stage`.
 
+pub(crate) mod checks;
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;

@@ -3,6 +3,7 @@
 mod command;
 mod figures;
 mod hand_press;
+mod lock;
 mod reduced_accuracy;
 mod scene_parity;
 

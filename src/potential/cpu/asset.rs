@@ -21,8 +21,6 @@ pub(super) struct Asset<B> {
     pub skin_columns: PoseColumns,
     /// Blocks of a skin vertex at most, and the two of a body.
     pub lever_stride: usize,
-    /// Frames that may carry colliders.
-    pub body_frames: Vec<u32>,
     pub vertex_triangles: Rows<[u32; 2]>,
 }
 
@@ -42,7 +40,6 @@ impl<B: Basis> Asset<B> {
             cubature_columns: PoseColumns::new(&avatar.cubature.pose_blend, cubature.len()),
             skin_columns: PoseColumns::new(&avatar.skin.pose_blend, skin.len()),
             lever_stride: 2 * skin.skinning.longest() + skin.basis.longest() + 2,
-            body_frames,
             vertex_triangles: vertex_triangles(skin.len(), &avatar.triangles),
             avatar,
             space,

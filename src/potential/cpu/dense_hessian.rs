@@ -23,8 +23,9 @@ impl<B: Basis> CpuPotential<B> {
         state: &State,
         form: HessianForm,
     ) -> Result<Vec<Vec<f64>>> {
-        self.check_begun(instance)?;
-        self.check_state(state)?;
+        self.checks.instance(instance)?;
+        self.checks.begun(instance, self.has_begun(instance))?;
+        self.checks.state(state)?;
         let (asset, step) = (&self.asset, &self.instances[instance].step);
         let avatar = &*asset.avatar;
         let mut motion = Motion::default();

@@ -45,10 +45,11 @@ pub use motion::Motion;
 pub use points::Points;
 pub use posed_skin::{posed_skin, skin_displacement, unposed_skin};
 
+use crate::Result;
 use crate::math::{Rows, Stopwatch, in_pool, par_each, par_split};
 use crate::model::{Avatar, BasisEntry, Space, State};
+use crate::potential::checks::Checks;
 use crate::potential::{BlockPattern, Evaluation, EvaluationTimings, Potential, StepStart, Trial};
-use crate::{Error, Result};
 use asset::Asset;
 use evaluate::Instance;
 use glam::DVec3;
@@ -57,6 +58,7 @@ use std::sync::Arc;
 /// The potential of a batch of avatars on the CPU.
 pub struct CpuPotential<B: Basis = BasisEntry> {
     asset: Asset<B>,
+    checks: Checks,
     instances: Vec<Instance>,
 }
 
@@ -85,62 +87,14 @@ impl<B: Basis> CpuPotential<B> {
     ) -> Result<Self> {
         let asset = Asset::new(avatar, cubature, skin)?;
         Ok(Self {
+            checks: Checks::new(&asset.avatar, instances),
             instances: (0..instances).map(|_| Instance::new(&asset)).collect(),
             asset,
         })
     }
 
-    fn check_count(&self, field: &'static str, count: usize) -> Result<()> {
-        if count == self.instances.len() {
-            return Ok(());
-        }
-        let expected = self.instances.len();
-        Err(Error::invalid(
-            field,
-            format!("{count} given for {expected} instances"),
-        ))
-    }
-
-    fn check_state(&self, state: &State) -> Result<()> {
-        if state.space() != self.asset.space {
-            return Err(Error::invalid(
-                "state",
-                format!("has {:?}, expected {:?}", state.space(), self.asset.space),
-            ));
-        }
-        if !state.is_finite() {
-            return Err(Error::NotFinite { quantity: "state" });
-        }
-        Ok(())
-    }
-
-    fn check_begun(&self, instance: usize) -> Result<()> {
-        match self.instances.get(instance) {
-            Some(found) if found.step.time_step > 0.0 => Ok(()),
-            Some(_) => Err(Error::invalid(
-                "instance",
-                format!("{instance} has begun no step: call begin_step first"),
-            )),
-            None => Err(Error::invalid(
-                "instance",
-                format!("{instance} of {}", self.instances.len()),
-            )),
-        }
-    }
-
-    fn check_start(&self, start: &StepStart<'_>) -> Result<()> {
-        self.check_state(start.previous)?;
-        self.check_state(start.current)?;
-        if !(start.time_step > 0.0 && start.time_step.is_finite()) {
-            return Err(Error::invalid(
-                "time_step",
-                format!("{}; must be positive (s)", start.time_step),
-            ));
-        }
-        if !start.tissue_gravity.is_finite() {
-            return Err(Error::invalid("tissue_gravity", "is not finite"));
-        }
-        start.validate_contact(&self.asset.body_frames)
+    fn has_begun(&self, instance: usize) -> bool {
+        self.instances[instance].step.time_step > 0.0
     }
 }
 
@@ -171,11 +125,7 @@ impl<B: Basis> Potential for CpuPotential<B> {
     }
 
     async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
-        self.check_count("starts", starts.len())?;
-        self.check_count("active", active.len())?;
-        for (start, _) in starts.iter().zip(active).filter(|(_, active)| **active) {
-            self.check_start(start)?;
-        }
+        self.checks.starts(starts, active)?;
         let asset = &self.asset;
         in_pool(|| {
             par_each(&mut self.instances, 1, |i, instance| {
@@ -194,13 +144,8 @@ impl<B: Basis> Potential for CpuPotential<B> {
         active: &[bool],
         out: &mut [Evaluation],
     ) -> Result<()> {
-        self.check_count("states", states.len())?;
-        self.check_count("active", active.len())?;
-        self.check_count("out", out.len())?;
-        for i in (0..states.len()).filter(|&i| active[i]) {
-            self.check_state(&states[i])?;
-            self.check_begun(i)?;
-        }
+        self.checks
+            .states(states, active, out.len(), |i| self.has_begun(i))?;
         let asset = &self.asset;
         in_pool(|| {
             let parts = (&mut self.instances[..], &mut *out);
@@ -217,14 +162,8 @@ impl<B: Basis> Potential for CpuPotential<B> {
     }
 
     async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
-        if out.len() != trials.len() {
-            return Err(Error::invalid("out", "must be as long as trials"));
-        }
-        for trial in trials {
-            self.check_begun(trial.instance)?;
-            self.check_state(trial.base)?;
-            self.check_state(trial.state)?;
-        }
+        self.checks
+            .trials(trials, out.len(), |i| self.has_begun(i))?;
         let (asset, instances) = (&self.asset, &mut self.instances);
         in_pool(|| {
             for (trial, out) in trials.iter().zip(&mut *out) {
@@ -238,8 +177,7 @@ impl<B: Basis> Potential for CpuPotential<B> {
     }
 
     async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        self.check_count("states", states.len())?;
-        states.iter().try_for_each(|s| self.check_state(s))?;
+        self.checks.poses(states)?;
         let asset = &self.asset;
         in_pool(|| {
             par_each(&mut self.instances, 1, |i, instance| {
@@ -255,10 +193,8 @@ impl<B: Basis> Potential for CpuPotential<B> {
         positions: &mut Vec<DVec3>,
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
-        let Some(Instance { posed_skin, .. }) = self.instances.get(instance) else {
-            let problem = format!("{instance} of {}", self.instances.len());
-            return Err(Error::invalid("instance", problem));
-        };
+        self.checks.instance(instance)?;
+        let posed_skin = &self.instances[instance].posed_skin;
         positions.clone_from(&posed_skin.positions);
         normals.clone_from(&posed_skin.normals);
         Ok(())
