@@ -46,12 +46,16 @@ fn ask<T: DeserializeOwned>(text: &str) -> Kind {
     }
 }
 
-/// A row of a table: the names in its first cell, and the words in backticks in all others, the second cell's apart.
+/// A row of a table: what stands in backticks.
 #[derive(Clone, Debug, Default)]
 struct Row {
+    /// The words of the first cell.
     keys: Names,
+    /// Of the second.
     second: Names,
+    /// Of all but the first.
     words: Names,
+    /// Those of them that stand in quotes, as values of a key do.
     quoted: Names,
 }
 
@@ -116,18 +120,18 @@ struct Comparison<'a> {
 impl Comparison<'_> {
     /// Compares what may stand at `path`, the value of the key of `row`; `text` is a file with a given value there.
     fn compare(&mut self, path: &str, row: &Row, text: &dyn Fn(&str) -> String) {
-        let (mut path, mut kind) = (path.to_owned(), Kind::Plain);
         let unknown = format!("{{ {UNKNOWN} = 0 }}");
-        for (suffix, list) in [("", false), ("[]", true)] {
-            let value = |v: &str| if list { format!("[{v}]") } else { v.to_owned() };
-            kind = (self.ask)(&text(&value(&unknown)));
+        for list in [false, true] {
+            let inside = |value: &str| match list {
+                true => text(&format!("[{value}]")),
+                false => text(value),
+            };
+            let kind = (self.ask)(&inside(&unknown));
             if kind != Kind::Plain {
-                path += suffix;
-                let inside = |v: &str| text(&value(v));
+                let path = format!("{path}{}", if list { "[]" } else { "" });
                 return self.compare_kind(&path, kind, row, &inside);
             }
         }
-        assert_eq!(kind, Kind::Plain);
     }
 
     fn compare_kind(&mut self, path: &str, kind: Kind, row: &Row, text: &dyn Fn(&str) -> String) {
