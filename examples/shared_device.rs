@@ -19,7 +19,7 @@ fn main() -> supple::Result<()> {
     } = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))?;
 
     let (body, recipe) = AvatarSource::of_sample(Sample::Hand).body()?;
-    let (avatar, _) = supple_bake::bake(&body, &recipe, &mut |_| {})?; // once; or bake::read_avatar(file)
+    let (avatar, _) = supple_bake::bake(&body, &recipe, &mut |_| {})?; // once; or file::read_avatar(path)
     let avatar = Arc::new(avatar);
     let hands = GpuPotential::new(&device, &queue, avatar.clone(), 2, GpuOptions::default())?;
     let mut simulation = Simulation::new(&avatar, hands, Settings::default())?;

@@ -1,7 +1,7 @@
 //! Hashes of what must not change while code is moved: states of every committed scene after 200 steps on the CPU, and
 //! every part of every baked avatar.
 //!
-//! `cargo run --release --features cli --example hashes > table` prints them; another commit's table on the same machine
+//! `cargo run --release -p supple-lab --example hashes > table` prints them; another commit's table on the same machine
 //! is compared with `diff`. Other processors may round otherwise, so that no table of one machine binds another.
 
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! The incremental potential of backward Euler, as Newton sees it.
 //!
 //! `E(q) = E_inertia + E_gravity + E_elastic + E_damping + E_contact + E_friction` of the tissue. The bones' own
-//! terms are in [`crate::skeleton`]. Two implementations: the f64 evaluation in
-//! [`crate::potential::cpu`](mod@crate::potential::cpu) and the WGSL kernels in `stage`.
+//! terms are in [`crate::skeleton`]. Two implementations: the f64 evaluation in [`CpuPotential`], and the WGSL kernels in
+//! `GpuPotential`.
 
 pub(crate) mod checks;
 pub(crate) mod cpu;

@@ -91,5 +91,5 @@ fn an_upward_import_is_noticed() {
     let ranks = ranks(include_str!("../../src/lib.rs"));
     let source = "use crate::math::Rows;\nuse crate::sim::Simulation;\n";
     assert_eq!(upward("model", source, &ranks), ["sim"]);
-    assert!(upward("export", source, &ranks).is_empty());
+    assert!(upward("internal", source, &ranks).is_empty());
 }

@@ -1,6 +1,7 @@
 //! Scenes read, refused and played, and any character baked with no recipe.
 
 mod assets;
+mod documented_keys;
 mod motion;
 mod scenes;
 #[path = "../../../../tests/engine/support.rs"]
