@@ -38,6 +38,7 @@ struct Summary {
 @group(0) @binding(14) var<storage, read> lagged: array<Lagged>;
 @group(0) @binding(15) var<storage, read> slips: array<vec4<f32>>;
 @group(0) @binding(16) var<storage, read> frames: array<Frame>;
+@group(0) @binding(17) var<uniform> material: MaterialParameters;
 
 fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
     return PartialEnergy(

@@ -14,7 +14,7 @@ pub use device::{
     required_limits,
 };
 pub use kernel::{Bindings, Kernel, Module};
-pub use layout::{HostShareable, StructLayout};
+pub use layout::{HostShareable, SharedValue, StructLayout};
 pub use readback::{Readback, Waiting};
 
 pub(crate) use buffer_list::buffers;

@@ -31,6 +31,7 @@ buffers! {
         /// Of which a dispatch binds one item.
         chunk: [u32; CHUNK_STRIDE as usize / 4] = uniform(&n.chunks()),
         // Of the avatar.
+        material: u8 = uniform(&tables.material),
         tissue: LocalTissue = holding(&tables.tissue),
         handle_gradients: HandleGradient = holding(&tables.cubature.gradients),
         gather_rows: u32 = holding(tables.gather.offsets()),

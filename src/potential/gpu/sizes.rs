@@ -125,7 +125,6 @@ impl Sizes {
             point_groups: workgroups(self.points),
             vertex_groups: workgroups(self.vertices),
             density: avatar.density as f32,
-            material: material_parameters(avatar),
             ..Constants::default()
         }
     }
@@ -154,11 +153,6 @@ impl Sizes {
         });
         padded.collect()
     }
-}
-
-fn material_parameters(avatar: &Avatar) -> [[f32; 4]; 3] {
-    let p = avatar.material.parameters().map(|p| p as f32);
-    std::array::from_fn(|row| std::array::from_fn(|column| p[4 * row + column]))
 }
 
 fn check_dispatch(device: &wgpu::Device, what: &str, needed: usize) -> Result<()> {

@@ -89,6 +89,8 @@ impl PointTable {
 pub(super) struct Tables {
     pub cubature: PointTable,
     pub skin: PointTable,
+    /// Parameters of the material, as its kernel reads them.
+    pub material: Vec<u8>,
     /// What the material has of its own at every cubature point.
     pub tissue: Vec<LocalTissue>,
     pub pattern: BlockPattern,
@@ -164,6 +166,7 @@ impl Tables {
         Ok(Self {
             cubature,
             skin,
+            material: avatar.material.parameters().bytes,
             tissue: local_tissue(avatar),
             pattern,
             gather: gather.into_iter().collect(),

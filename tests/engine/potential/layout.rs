@@ -20,9 +20,15 @@ const LOCAL_STRUCTS: &[&str] = &[
 #[test]
 fn shared_structs_lie_where_the_kernels_expect_them() {
     let mut seen = HashSet::new();
-    for material in Material::examples() {
-        for module in modules(&Sources::new(&material)).unwrap() {
-            for layout in SHARED_STRUCTS {
+    let materials = Material::examples();
+    for material in &materials {
+        let parameters = material.parameters();
+        assert_eq!(parameters.bytes.len(), parameters.layout.size);
+        let shared: Vec<_> = (SHARED_STRUCTS.iter())
+            .chain([&parameters.layout])
+            .collect();
+        for module in modules(&Sources::new(material)).unwrap() {
+            for layout in &shared {
                 let Some((size, fields)) = module.struct_layout(layout.name) else {
                     continue;
                 };
@@ -37,7 +43,7 @@ fn shared_structs_lie_where_the_kernels_expect_them() {
                 assert_eq!(kernel, host, "fields of {}", layout.name);
             }
             for name in module.structs() {
-                let known = SHARED_STRUCTS.iter().any(|layout| layout.name == name);
+                let known = shared.iter().any(|layout| layout.name == name);
                 assert!(
                     known || LOCAL_STRUCTS.contains(&name),
                     "{name} is not checked"
@@ -45,7 +51,8 @@ fn shared_structs_lie_where_the_kernels_expect_them() {
             }
         }
     }
-    assert_eq!(seen.len(), SHARED_STRUCTS.len(), "a struct is in no kernel");
+    let count = SHARED_STRUCTS.len() + materials.len();
+    assert_eq!(seen.len(), count, "a struct is in no kernel");
 }
 
 #[test]
