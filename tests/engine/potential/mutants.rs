@@ -119,10 +119,10 @@ const MUTANTS: &[Mutant] = &[
     ("friction", "shared/point_motion.wgsl", "rotation * t_increment + frames[f].position_increment", "rotation * t_increment"),
     ("friction", "friction.wgsl", "u -= frames[f].rotation_increment * contact.anchor", "u += frames[f].rotation_increment * contact.anchor"),
     ("friction", "friction.wgsl", "slips[state.slot * constants.contacts + id.x]", "slips[id.x]"),
-    ("friction", "shared/exclusive_sum.wgsl", "return counts[lane] - count", "return counts[lane]"),
+    ("friction", "shared/exclusive_sum.wgsl", "return counts[thread] - count", "return counts[thread]"),
     // compact
     ("compact", "compact.wgsl", "count += u32(distances[first + pair].w > 0.0)", "count += u32(distances[first + pair].w > 1e-3)"),
-    ("compact", "shared/exclusive_sum.wgsl", "(lane + 1u) * length", "(lane + 1u) * length - 1u"),
+    ("compact", "shared/exclusive_sum.wgsl", "(thread + 1u) * length", "(thread + 1u) * length - 1u"),
     ("compact", "compact.wgsl", "let vertex = pair / state.colliders", "let vertex = pair % state.colliders"),
     ("compact", "compact.wgsl", "colliders[index].stiffness * points[vertex].measure", "colliders[index].stiffness"),
     ("compact", "compact.wgsl", "Contact(d.xyz, -(k * d.w)", "Contact(d.xyz, k * d.w"),
