@@ -161,8 +161,8 @@ fn contact_energy(
             mine.force += stiffness * depth * here.xyz;
         }
     }
-    let rubbing = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
-    for (var k = i; k < rubbing; k += 64u * constants.vertex_groups) {
+    let lagged_contacts = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
+    for (var k = i; k < lagged_contacts; k += 64u * constants.vertex_groups) {
         add_friction(k, state, &mine);
     }
     let sum = tree_sum(thread, mine);

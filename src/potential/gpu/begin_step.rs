@@ -41,7 +41,7 @@ pub(super) async fn begin_step(
     for (i, start) in starts.iter().enumerate().filter(|(i, _)| active[*i]) {
         let origin = start.current.frames[0].position;
         let h = start.time_step;
-        let header = BatchState {
+        let batch_state = BatchState {
             gravity: start.tissue_gravity.as_vec3().to_array(),
             mass_rate: (1.0 / (h * h)) as f32,
             damping_rate: (potential.avatar.damping_time / h) as f32,
@@ -54,8 +54,8 @@ pub(super) async fn begin_step(
         for end in [false, true] {
             potential.colliders.clear();
             for collider in start.colliders {
-                let slot = potential.buffers.grids.slot(&potential.queue, collider)?;
-                (potential.colliders).push(pack::collider(collider, origin, end, slot));
+                let grid = potential.buffers.grids.index(&potential.queue, collider)?;
+                (potential.colliders).push(pack::collider(collider, origin, end, grid));
             }
             let buffer = match end {
                 false => &potential.buffers.common.previous_colliders,
@@ -71,15 +71,15 @@ pub(super) async fn begin_step(
             damping_rate: 0.0,
             slot: i as u32,
             base: i as u32,
-            ..header
+            ..batch_state
         };
-        potential.push(slot, start.previous, start.current, origin);
+        potential.push_state(slot, start.previous, start.current, origin);
         potential.upload(i);
         potential.push_features(start.current);
         potential.starts[i] = Some(Start {
             origin,
             current: start.current.clone(),
-            header,
+            batch_state,
             geometric: start
                 .geometric_contact
                 .then(|| pose_feature(&potential.avatar.skeleton.parents, &start.current.frames)),
@@ -89,15 +89,15 @@ pub(super) async fn begin_step(
     let batch = Batch::whole(potential.batch.len());
     let has_friction = potential.has_friction;
     let damped = potential.avatar.damping_time > 0.0;
-    // Usually a step starts from the pose that was just drawn: then x̄ of the skin is there already.
-    let drawn = is_posed(potential);
-    if drawn {
+    // Usually a step starts from the pose that the skin was just posed in: then x̄ of the skin is there already.
+    let posed = is_posed(potential);
+    if posed {
         copy_posed_rest(potential);
     }
     potential.submit(
         |stages, pass| {
             stages.pose_blend.dispatch(pass, batch);
-            if !drawn {
+            if !posed {
                 stages.pose_blend.dispatch_skin(pass, batch);
             }
             stages.displacement.dispatch(pass, batch);
@@ -115,7 +115,7 @@ pub(super) async fn begin_step(
     Ok(())
 }
 
-/// Whether every state of the batch has the pose features that its instance was last drawn with.
+/// Whether every state of the batch has the pose features that its instance was last posed with.
 fn is_posed(potential: &GpuPotential) -> bool {
     if potential.features.is_empty() || potential.batch.is_empty() {
         return false;
@@ -126,7 +126,7 @@ fn is_posed(potential: &GpuPotential) -> bool {
         .all(|(state, features)| potential.posed_features[state.instance as usize] == features)
 }
 
-/// Takes x̄ of the drawn skin over for the instances of the batch.
+/// Takes x̄ of the posed skin over for the instances of the batch.
 fn copy_posed_rest(potential: &GpuPotential) {
     let bytes = 16 * potential.avatar.skin.len() as u64;
     let mut encoder = potential.device.create_command_encoder(&Default::default());

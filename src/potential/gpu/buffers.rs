@@ -67,7 +67,7 @@ buffers! {
         partial_energies: PartialEnergy = zeroed(n.states * n.partial_energies),
         summaries: Summary = zeroed(n.states),
         result: f32 = zeroed(n.instances * n.result),
-        // The drawn skin of every instance, and its x̄.
+        // The posed skin of every instance, and its x̄.
         skin_vertices: SkinVertex = vertices(n.instances * n.vertices),
         posed_skin_unposed: [f32; 4] = zeroed(n.instances * n.vertices),
     }
@@ -137,7 +137,7 @@ impl Buffers {
             .with("distances", self.common.lagged_distances.raw())
     }
 
-    /// For kernels over the skin that is drawn, whose x̄ follows its own pose.
+    /// For kernels over the posed skin, whose x̄ follows its own pose.
     pub fn over_posed_skin(&self) -> Bindings<'_> {
         self.over_skin()
             .with("unposed", self.common.posed_skin_unposed.raw())

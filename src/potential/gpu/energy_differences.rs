@@ -26,7 +26,11 @@ pub(super) async fn energy_differences(
         for trial in trials {
             potential.check_state(trial.base)?;
             potential.check_state(trial.state)?;
-            let Start { origin, header, .. } = potential.start(trial.instance)?.clone();
+            let Start {
+                origin,
+                batch_state,
+                ..
+            } = potential.start(trial.instance)?.clone();
             let base = bases
                 .iter()
                 .position(|b| b.instance == trial.instance && b.base == trial.base)
@@ -34,26 +38,26 @@ pub(super) async fn energy_differences(
                     bases.push(trial);
                     bases.len() - 1
                 });
-            let header = BatchState {
+            let batch_state = BatchState {
                 slot: (instances + potential.batch.len()) as u32,
                 base: (instances + trials.len() + base) as u32,
-                ..header
+                ..batch_state
             };
-            potential.push(header, trial.base, trial.state, origin);
+            potential.push_state(batch_state, trial.base, trial.state, origin);
         }
         for trial in bases {
             let Start {
                 origin,
                 current,
-                header,
+                batch_state,
                 ..
             } = potential.start(trial.instance)?.clone();
-            let header = BatchState {
+            let batch_state = BatchState {
                 slot: (instances + potential.batch.len()) as u32,
-                base: header.instance,
-                ..header
+                base: batch_state.instance,
+                ..batch_state
             };
-            potential.push(header, &current, trial.base, origin);
+            potential.push_state(batch_state, &current, trial.base, origin);
         }
         potential.upload(instances);
         let all = Batch::whole(potential.batch.len());

@@ -27,15 +27,15 @@ pub(super) async fn evaluate(
         let Start {
             origin,
             current,
-            header,
+            batch_state,
             ..
         } = potential.start(i)?.clone();
-        let header = BatchState {
+        let batch_state = BatchState {
             slot: (instances + potential.batch.len()) as u32,
             base: i as u32,
-            ..header
+            ..batch_state
         };
-        potential.push(header, &current, state, origin);
+        potential.push_state(batch_state, &current, state, origin);
     }
     let count = potential.batch.len();
     if count == 0 {
@@ -46,8 +46,8 @@ pub(super) async fn evaluate(
     let stride = potential.buffers.sizes.result;
     let contacts_at = summary_bytes + (4 * count * stride) as u64;
     let contact_bytes = potential.buffers.sizes.contact_bytes();
-    let wanted = |header: &BatchState| {
-        let start = potential.starts[header.instance as usize].as_ref();
+    let wanted = |batch_state: &BatchState| {
+        let start = potential.starts[batch_state.instance as usize].as_ref();
         start.is_some_and(|start| start.geometric.is_some())
     };
     let geometric = potential.batch.iter().any(wanted);
@@ -100,12 +100,12 @@ pub(super) async fn evaluate(
             let (results, contacts) = bytes.split_at(contacts_at as usize);
             let (summaries, results) = results.split_at(summary_bytes as usize);
             let mut found = Vec::with_capacity(count);
-            for (header, bytes) in batch
+            for (batch_state, bytes) in batch
                 .iter()
                 .zip(summaries.chunks_exact(size_of::<Summary>()))
             {
                 let summary: Summary = bytemuck::pod_read_unaligned(bytes);
-                check_contacts(&summary, header.instance, capacity)?;
+                check_contacts(&summary, batch_state.instance, capacity)?;
                 found.push(summary);
             }
             if !results.chunks_exact(4).all(|b| float(b).is_finite()) {

@@ -1,4 +1,4 @@
-//! The contacts of a step's start that rub, and how they have slid.
+//! The contacts of a step's start that have friction, and their slip.
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};

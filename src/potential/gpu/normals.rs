@@ -1,4 +1,4 @@
-//! Normals of the drawn skin.
+//! Normals of the posed skin.
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};

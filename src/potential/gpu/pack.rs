@@ -47,18 +47,18 @@ pub(super) fn handles<'a>(base: &'a State, state: &'a State) -> impl Iterator<It
 }
 
 /// A collider at the end of the step or, else, at its start, seen from `origin`. The frame of a mesh is moved to the
-/// first node of its grid, which is in `slot`.
+/// first node of its grid, the `grid`th on the device.
 pub(super) fn collider(
     collider: &collider::Collider,
     origin: DVec3,
     end: bool,
-    slot: usize,
+    grid: usize,
 ) -> Collider {
     let mut parameters = collider.shape.parameters();
     let mut first = DVec3::ZERO;
     if let Shape::Mesh(mesh) = &collider.shape {
         first = mesh.grid().low();
-        parameters[3] = slot as f32;
+        parameters[3] = grid as f32;
     }
     let seen = collider.relative_to(origin);
     let at_first = |frame: model::Frame| model::Frame {

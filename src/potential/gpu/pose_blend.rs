@@ -1,4 +1,4 @@
-//! x̄ = X + Σ_k feature_k column_k at the start of a step, and for the drawn skin.
+//! x̄ = X + Σ_k feature_k column_k at the start of a step, and for the posed skin.
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
@@ -6,7 +6,7 @@ use super::stage::{Run, Stage};
 use crate::Result;
 use crate::gpu::{Kernel, Module};
 
-/// Pose blend shapes of cubature points, touching skin and drawn skin.
+/// Pose blend shapes of cubature points, touching skin and posed skin.
 #[derive(Debug)]
 pub(super) struct PoseBlend {
     cubature: Kernel,
@@ -47,7 +47,7 @@ impl PoseBlend {
         batch.dispatch(&self.skin, pass, self.vertex_groups);
     }
 
-    /// x̄ of the skin that is drawn.
+    /// x̄ of the posed skin.
     pub fn dispatch_posed_skin(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.posed_skin, pass, self.vertex_groups);
     }

@@ -1,4 +1,4 @@
-//! The drawn skin on the GPU.
+//! The posed skin on the GPU.
 
 use super::dispatch::Batch;
 use super::potential::GpuPotential;
@@ -15,14 +15,14 @@ pub(super) async fn pose_skin(potential: &mut GpuPotential, states: &[State]) ->
     let instances = potential.starts.len();
     potential.clear_uploads();
     for (i, state) in states.iter().enumerate() {
-        let header = BatchState {
+        let batch_state = BatchState {
             instance: i as u32,
             slot: (instances + i) as u32,
             ..BatchState::default()
         };
         let origin = state.frames[0].position;
         potential.skin_origins[i] = origin;
-        potential.push(header, state, state, origin);
+        potential.push_state(batch_state, state, state, origin);
         let first = potential.features.len();
         potential.push_features(state);
         potential.posed_features[i].clear();

@@ -22,8 +22,8 @@ pub(super) struct Start {
     /// The root's place at tⁿ: what positions on the device are relative to.
     pub origin: DVec3,
     pub current: State,
-    /// Header of a state of this instance, without its slots.
-    pub header: BatchState,
+    /// A state of this instance in a batch, without its slots.
+    pub batch_state: BatchState,
     /// Pose feature of qⁿ where the geometric terms of contact are wanted.
     pub geometric: Option<Vec<f64>>,
 }
@@ -50,7 +50,7 @@ pub struct GpuPotential {
     pub(super) skin_readback: Readback,
     pub(super) starts: Vec<Option<Start>>,
     pub(super) skin_origins: Vec<DVec3>,
-    /// Pose features of each instance's drawn skin; empty before it is drawn.
+    /// Pose features of each instance's posed skin; empty before it is posed.
     pub(super) posed_features: Vec<Vec<f32>>,
     // What the next submission uploads; kept to spare allocations.
     pub(super) batch: Vec<BatchState>,
@@ -112,7 +112,7 @@ impl GpuPotential {
         })
     }
 
-    /// The drawn skin of all instances: a `VERTEX | STORAGE` buffer of [`SkinVertex`], 32 bytes each, the
+    /// The posed skin of all instances: a `VERTEX | STORAGE` buffer of [`SkinVertex`], 32 bytes each, the
     /// position in the first 12 and the normal in 12 from the 16th on. Positions are relative to
     /// [`GpuPotential::skin_origin`].
     pub fn skin_buffer(&self) -> &wgpu::Buffer {

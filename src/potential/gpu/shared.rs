@@ -279,13 +279,13 @@ host_shareable! {
         pub energy: PartialEnergy,
         /// Active contacts found, also where there was no room for them.
         pub contacts: u32,
-        /// Contacts of the step's start that rub, likewise.
+        /// Contacts of the step's start that have friction, likewise.
         pub lagged: u32,
         /// Padding.
         pub _pad: [u32; 2],
     }
 
-    /// A vertex of the drawn skin (kernels/skin.wgsl).
+    /// A vertex of the posed skin (kernels/skin.wgsl).
     pub struct SkinVertex {
         /// Relative to the instance's origin, m.
         pub position: [f32; 3],

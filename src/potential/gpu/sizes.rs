@@ -7,7 +7,7 @@ use super::tables::Tables;
 use crate::model::Avatar;
 use crate::{GpuError, Result};
 
-/// Rows that `contacts` active contacts may have: a push each, and two of friction.
+/// Rows that `contacts` active contacts may have: one along the normal each, and two of friction.
 fn row_room(contacts: usize) -> usize {
     3 * contacts
 }

@@ -1,4 +1,4 @@
-//! Positions of the drawn skin.
+//! Positions of the posed skin.
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
@@ -6,7 +6,7 @@ use super::stage::Stage;
 use crate::Result;
 use crate::gpu::{Kernel, Module};
 
-/// Linear blend skinning of the drawn skin.
+/// Linear blend skinning of the posed skin.
 #[derive(Debug)]
 pub(super) struct Skin {
     skin: Kernel,

@@ -48,9 +48,15 @@ impl GpuPotential {
     }
 
     /// Appends a state to the uploads.
-    pub(super) fn push(&mut self, header: BatchState, base: &State, state: &State, origin: DVec3) {
+    pub(super) fn push_state(
+        &mut self,
+        batch_state: BatchState,
+        base: &State,
+        state: &State,
+        origin: DVec3,
+    ) {
         let skeleton = &self.avatar.skeleton;
-        self.batch.push(header);
+        self.batch.push(batch_state);
         (self.frames).extend(pack::frames(skeleton, base, state, origin));
         self.handles.extend(pack::handles(base, state));
     }
