@@ -80,7 +80,7 @@ macro_rules! buffers {
             /// All of them.
             ///
             /// # Errors
-            /// As [`Buffer::new`]($crate::gpu::Buffer::new).
+            /// As [`crate::gpu::Buffer::new`].
             pub fn new(
                 allocator: $crate::gpu::Allocator<'_>,
                 $($parameter: $type),*
