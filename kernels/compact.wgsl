@@ -1,4 +1,4 @@
-// The rows of the active contacts in fixed order (pushes vertex by vertex and collider by collider, then
+// The rows of the active contacts in fixed order (the normal ones vertex by vertex and collider by collider, then
 // friction), Jᵀe of each in the reduced space, and for every block of q the rows that move it.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -34,10 +34,10 @@ fn compact(
     var at = exclusive_sum(thread, 256u, count);
     if (thread == 255u) {
         let found = at + count;
-        let rubbing = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
+        let lagged_contacts = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
         contacts[contact_header(group.y)].vertex = found;
         contacts[contact_header(group.y)].body =
-            min(found, constants.contacts) + 2u * rubbing;
+            min(found, constants.contacts) + 2u * lagged_contacts;
     }
     for (var pair = run.begin; pair < run.end; pair++) {
         let d = distances[first + pair];
@@ -54,7 +54,7 @@ fn compact(
     }
 }
 
-// Friction's rows behind the pushes: along the slip f = μ λ f₀′, k = μ λ f₀″, across it k = μ λ f₀′/|u_T|.
+// Friction's rows behind the normal ones: along the slip f = μ λ f₀′, k = μ λ f₀″, across it k = μ λ f₀′/|u_T|.
 // One thread a lagged contact.
 @compute @workgroup_size(64)
 fn friction_rows(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -75,8 +75,8 @@ fn friction_rows(@builtin(global_invocation_id) id: vec3<u32>) {
     let axis = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), abs(n.x) > 0.5);
     let along = select(normalize(cross(n, axis)), u / y, y > 1e-18);
     let slopes = contact.limit * smoothed_slopes(y, state.smoothing);
-    let pushes = min(contacts[contact_header(id.y)].vertex, constants.contacts);
-    let at = contact_header(id.y) + 1u + pushes + 2u * id.x;
+    let normal_rows = min(contacts[contact_header(id.y)].vertex, constants.contacts);
+    let at = contact_header(id.y) + 1u + normal_rows + 2u * id.x;
     contacts[at] = Contact(along, slopes.x * y, slopes.y, contact.vertex, contact.body);
     contacts[at + 1u] =
         Contact(cross(n, along), 0.0, slopes.x, contact.vertex, contact.body);

@@ -11,6 +11,7 @@
 @group(0) @binding(6) var<storage, read_write> stress: array<mat3x3<f32>>;
 @group(0) @binding(7) var<storage, read_write> tangent: array<Tangent>;
 @group(0) @binding(8) var<storage, read> tissue: array<LocalTissue>;
+@group(0) @binding(9) var<uniform> material: MaterialParameters;
 
 @compute @workgroup_size(64)
 fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -38,6 +38,7 @@ struct Summary {
 @group(0) @binding(14) var<storage, read> lagged: array<Lagged>;
 @group(0) @binding(15) var<storage, read> slips: array<vec4<f32>>;
 @group(0) @binding(16) var<storage, read> frames: array<Frame>;
+@group(0) @binding(17) var<uniform> material: MaterialParameters;
 
 fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
     return PartialEnergy(
@@ -160,8 +161,8 @@ fn contact_energy(
             mine.force += stiffness * depth * here.xyz;
         }
     }
-    let rubbing = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
-    for (var k = i; k < rubbing; k += 64u * constants.vertex_groups) {
+    let lagged_contacts = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);
+    for (var k = i; k < lagged_contacts; k += 64u * constants.vertex_groups) {
         add_friction(k, state, &mine);
     }
     let sum = tree_sum(thread, mine);

@@ -1,4 +1,4 @@
-// Friction's own records: the contacts of a step's start that rub, and how each has slid since,
+// Friction's own records: the contacts of a step's start that have friction, and the slip of each since,
 //   u = d − (ΔR a + Δc),
 // d the vertex's displacement since qⁿ and (ΔR, Δc) that of the frame that the collider is fixed to,
 // both from increments.
@@ -16,7 +16,7 @@
 @group(0) @binding(10) var<storage, read_write> lagged: array<Lagged>;
 @group(0) @binding(11) var<storage, read_write> slips: array<vec4<f32>>;
 
-// Whether a vertex and a collider, one pair of `distances`, touch and rub.
+// Whether a vertex and a collider, one pair of `distances`, touch and have friction.
 fn has_friction(pair: u32, collider: u32) -> bool {
     return colliders[collider].friction > 0.0 && distances[pair].w > 0.0;
 }

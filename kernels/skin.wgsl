@@ -1,4 +1,4 @@
-// The drawn skin, relative to the instance's origin: x = Σ_j w_j ( R_j (T − J_j) + c_j ).
+// The posed skin, relative to the instance's origin: x = Σ_j w_j ( R_j (T − J_j) + c_j ).
 // One thread a vertex.
 
 struct SkinVertex {

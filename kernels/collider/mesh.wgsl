@@ -1,16 +1,16 @@
 // d trilinear between the nodes of a grid of 48³ in the collider's own frame, whose origin is the grid's
 // first node; n = ∇d. Beyond the grid the distance from it is added.
-// parameters = (spacing along x, y, z, slot of the grid)
+// parameters = (spacing along x, y, z, index of the grid)
 @group(0) @binding(20) var distance_grids: texture_3d<f32>;
 
 const MESH_NODES = 48;
 
-fn grid_value(node: vec3<i32>, slot: i32) -> f32 {
-    return textureLoad(distance_grids, vec3(node.xy, node.z + MESH_NODES * slot), 0).x;
+fn grid_value(node: vec3<i32>, grid: i32) -> f32 {
+    return textureLoad(distance_grids, vec3(node.xy, node.z + MESH_NODES * grid), 0).x;
 }
 
 fn mesh_distance(parameters: vec4<f32>, p: vec3<f32>) -> SignedDistance {
-    let slot = i32(parameters.w);
+    let grid = i32(parameters.w);
     let at = p / parameters.xyz;
     let within = clamp(at, vec3(0.0), vec3(f32(MESH_NODES - 1)));
     let first = min(vec3<i32>(floor(within)), vec3(MESH_NODES - 2));
@@ -19,7 +19,7 @@ fn mesh_distance(parameters: vec4<f32>, p: vec3<f32>) -> SignedDistance {
     var slope = vec3<f32>();
     for (var c = 0; c < 8; c++) {
         let side = vec3(c & 1, (c >> 1u) & 1, c >> 2u);
-        let value = grid_value(first + side, slot);
+        let value = grid_value(first + side, grid);
         let w = select(1.0 - t, t, side == vec3(1));
         let sign = select(vec3(-1.0), vec3(1.0), side == vec3(1));
         d += value * w.x * w.y * w.z;

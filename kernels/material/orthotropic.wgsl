@@ -1,7 +1,18 @@
 // Ψ = Ψ₀(F) + ½ E : (K ∘ E) + (c/2) g(Q), Q = E : (A ∘ E), in the axes G (normal to the skin, along the bone, around
 // it), Ψ₀ being shared/neo_hookean.wgsl and ∘ the product by entries.
 // g(Q) = e^Q − 1 up to Q_max, then e^Q_max (1 + Q − Q_max) − 1 (Li and Barbič 2014; Fung et al. 1979).
-// constants.material = (μ, λ, c, Q_max), (√k, ·), (√a, ·), K_ij = √k_i √k_j, A_ij = √a_i √a_j.
+// K_ij = √k_i √k_j, A_ij = √a_i √a_j.
+
+struct OrthotropicParameters {
+    mu: f32,                // Lamé's, of the ground substance, Pa
+    lambda: f32,
+    saturation: f32,        // c, Pa
+    saturation_limit: f32,  // Q_max
+    root_fibre_moduli: vec3<f32>,      // √k, √Pa
+    root_saturation_rates: vec3<f32>,  // √a
+}
+
+alias MaterialParameters = OrthotropicParameters;
 
 struct Fibres {
     moduli: mat3x3<f32>,     // W = K + c g′ A
@@ -15,11 +26,11 @@ fn by_entries(a: mat3x3<f32>, b: mat3x3<f32>) -> mat3x3<f32> {
 }
 
 fn fibre_moduli() -> mat3x3<f32> {
-    return outer(constants.material[1].xyz, constants.material[1].xyz);
+    return outer(material.root_fibre_moduli, material.root_fibre_moduli);
 }
 
 fn saturation_rates() -> mat3x3<f32> {
-    return outer(constants.material[2].xyz, constants.material[2].xyz);
+    return outer(material.root_saturation_rates, material.root_saturation_rates);
 }
 
 // E = ½ (H + Hᵀ + Hᵀ H) in the axes G
@@ -28,10 +39,10 @@ fn green_strain(h: mat3x3<f32>, axes: mat3x3<f32>) -> mat3x3<f32> {
 }
 
 fn fibres_at(e: mat3x3<f32>) -> Fibres {
-    let limit = constants.material[0].w;
+    let limit = material.saturation_limit;
     let direction = by_entries(saturation_rates(), e);
     let q = double_dot(direction, e);
-    let slope = constants.material[0].z * exp(min(q, limit));
+    let slope = material.saturation * exp(min(q, limit));
     let moduli = fibre_moduli() + slope * saturation_rates();
     return Fibres(moduli, direction, select(0.0, slope, q < limit));
 }
@@ -54,7 +65,7 @@ fn exponential_less_one(x: f32) -> f32 {
 
 // g(Q + ΔQ) − g(Q) = e^min(Q, Q_max) (e^x − 1) + e^Q_max (ΔQ − x), x the part of ΔQ below Q_max
 fn saturation_difference(q: f32, change: f32) -> f32 {
-    let limit = constants.material[0].w;
+    let limit = material.saturation_limit;
     let last = q + change;
     var inner = change;
     if (q >= limit) {
@@ -74,7 +85,7 @@ fn energy_difference(h: mat3x3<f32>, d: mat3x3<f32>, axes: mat3x3<f32>) -> f32 {
     let fibres = double_dot(change, by_entries(fibre_moduli(), between));
     let q = double_dot(e, by_entries(saturation_rates(), e));
     let q_change = double_dot(change, by_entries(saturation_rates(), between));
-    let saturating = constants.material[0].z * saturation_difference(q, q_change);
+    let saturating = material.saturation * saturation_difference(q, q_change);
     return neo_hookean_energy_difference(h, d) + 0.5 * (fibres + saturating);
 }
 

@@ -1,5 +1,12 @@
 // The ground substance alone (shared/neo_hookean.wgsl): isotropic, so that no axes matter.
 
+struct StableNeoHookeanParameters {
+    mu: f32,      // Lamé's, Pa
+    lambda: f32,
+}
+
+alias MaterialParameters = StableNeoHookeanParameters;
+
 fn pk1_stress(h: mat3x3<f32>, axes: mat3x3<f32>) -> mat3x3<f32> {
     return neo_hookean_stress(h);
 }
@@ -12,8 +19,8 @@ fn energy_difference(h: mat3x3<f32>, d: mat3x3<f32>, axes: mat3x3<f32>) -> f32 {
 // U (e_i e_jᵀ − e_j e_iᵀ) Vᵀ/√2 have μ + p σ_k, the flips (with +) μ − p σ_k, and the scalings
 // U diag(a) Vᵀ are the eigenvectors a of μ I + (λ + μ) s sᵀ + p offdiag(σ), s_i = σ_j σ_k.
 fn projected_tangent(h: mat3x3<f32>, axes: mat3x3<f32>) -> Tangent {
-    let mu = constants.material[0].x;
-    let kappa = constants.material[0].y + mu;
+    let mu = material.mu;
+    let kappa = material.lambda + mu;
     let p = neo_hookean_pressure(h);
     var c = neo_hookean_tangent(h);
     let svd = singular_values(h);

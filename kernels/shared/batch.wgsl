@@ -22,7 +22,6 @@ struct Constants {
     density: f32,         // ρ, kg/m³
     _pad0: u32,
     _pad1: u32,
-    material: array<vec4<f32>, 3>,  // parameters, in its kernel's order
 }
 
 struct Chunk {

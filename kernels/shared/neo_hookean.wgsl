@@ -1,6 +1,6 @@
 // Ψ = μ/2 (I_C − 3) − μ (J − 1) + (λ + μ)/2 (J − 1)²  (Smith et al. 2018, reparametrised so that ν
 // holds). F = I + H, and everything is written in H, because near rest F − cof F and J − 1 cancel.
-// Every material's first two parameters are (μ, λ).
+// μ and λ are among the parameters of every material that includes this.
 
 // J − 1 = tr H + tr cof H + det H
 fn volume_change(h: mat3x3<f32>) -> f32 {
@@ -14,8 +14,8 @@ fn shear_stress(h: mat3x3<f32>) -> mat3x3<f32> {
 
 // P = μ (F − cof F) + (λ + μ)(J − 1) cof F
 fn neo_hookean_stress(h: mat3x3<f32>) -> mat3x3<f32> {
-    let mu = constants.material[0].x;
-    let lambda = constants.material[0].y;
+    let mu = material.mu;
+    let lambda = material.lambda;
     return mu * shear_stress(h)
         + ((lambda + mu) * volume_change(h)) * cofactor(identity() + h);
 }
@@ -23,8 +23,8 @@ fn neo_hookean_stress(h: mat3x3<f32>) -> mat3x3<f32> {
 // Ψ(F + D) − Ψ(F) with s = F : cof D + det D and ΔJ = cof F : D + s:
 // μ ((F − cof F) : D + ½ D : D − s) + (λ + μ)/2 ΔJ (2 (J − 1) + ΔJ)
 fn neo_hookean_energy_difference(h: mat3x3<f32>, d: mat3x3<f32>) -> f32 {
-    let mu = constants.material[0].x;
-    let lambda = constants.material[0].y;
+    let mu = material.mu;
+    let lambda = material.lambda;
     let f = identity() + h;
     let s = double_dot(f, cofactor(d)) + det(d);
     let dj = double_dot(cofactor(f), d) + s;
@@ -34,14 +34,14 @@ fn neo_hookean_energy_difference(h: mat3x3<f32>, d: mat3x3<f32>) -> f32 {
 
 // p = (λ + μ)(J − 1) − μ, the factor of ∂cof F/∂F
 fn neo_hookean_pressure(h: mat3x3<f32>) -> f32 {
-    let mu = constants.material[0].x;
-    return (constants.material[0].y + mu) * volume_change(h) - mu;
+    let mu = material.mu;
+    return (material.lambda + mu) * volume_change(h) - mu;
 }
 
 // C = ∂P/∂F = μ I₉ + (λ + μ) cof F ⊗ cof F + p ∂cof F/∂F
 fn neo_hookean_tangent(h: mat3x3<f32>) -> Tangent {
-    let mu = constants.material[0].x;
-    let kappa = constants.material[0].y + mu;
+    let mu = material.mu;
+    let kappa = material.lambda + mu;
     let f = identity() + h;
     let p = neo_hookean_pressure(h);
     let a = cofactor(f);

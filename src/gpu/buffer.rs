@@ -1,4 +1,4 @@
-//! Typed storage buffers.
+//! Typed buffers.
 
 use crate::{GpuError, Result};
 use bytemuck::Pod;
@@ -51,7 +51,7 @@ impl<T: Pod> Buffer<T> {
         })
     }
 
-    /// A storage buffer holding `items`.
+    /// A buffer holding `items`.
     ///
     /// # Errors
     /// As [`Buffer::new`].
@@ -60,8 +60,9 @@ impl<T: Pod> Buffer<T> {
         queue: &wgpu::Queue,
         label: &str,
         items: &[T],
+        usage: BufferUsages,
     ) -> Result<Self> {
-        let buffer = Self::new(device, label, items.len(), BufferUsages::STORAGE)?;
+        let buffer = Self::new(device, label, items.len(), usage)?;
         buffer.write(queue, 0, items);
         Ok(buffer)
     }

@@ -17,6 +17,24 @@ pub struct StructLayout<'a> {
     pub fields: &'a [(&'a str, usize)],
 }
 
+/// A [`HostShareable`] whose type is known at run time only.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SharedValue {
+    /// Where its fields are.
+    pub layout: StructLayout<'static>,
+    /// What the kernels read.
+    pub bytes: Vec<u8>,
+}
+
+impl<T: HostShareable> From<T> for SharedValue {
+    fn from(value: T) -> Self {
+        Self {
+            layout: T::LAYOUT,
+            bytes: bytemuck::bytes_of(&value).to_vec(),
+        }
+    }
+}
+
 /// Declares structs shared with the kernels: `repr(C)`, plain data, layout known.
 macro_rules! host_shareable {
     ($($(#[$doc:meta])* pub struct $name:ident { $($(#[$field_doc:meta])* pub $field:ident: $type:ty,)* })*) => {$(

@@ -1,5 +1,5 @@
-//! What tissue is made of: one file a material with Ψ, P = ∂Ψ/∂F and ∂P/∂F in f64, and the names of
-//! its kernels.
+//! What tissue is made of: one file a material with Ψ, P = ∂Ψ/∂F and ∂P/∂F in f64, the names of its kernels, and
+//! the parameters that they read.
 //!
 //! [`Material`] answers in the material's own axes; [`MaterialPoint`] is a material at a point of a body, with the stiffness and
 //! the axes that it has there ([`LocalTissue`]).
@@ -13,12 +13,11 @@ pub use orthotropic::Orthotropic;
 pub use stable_neo_hookean::StableNeoHookean;
 
 use crate::Result;
+#[cfg(feature = "gpu")]
+use crate::gpu::SharedValue;
 use crate::math::Mat9;
 use glam::DMat3;
 use serde::{Deserialize, Serialize};
-
-/// Numbers that a material's kernel reads.
-pub const PARAMETERS: usize = 12;
 
 /// What a hyperelastic material answers at one deformation gradient F.
 pub trait Hyperelastic {
@@ -43,8 +42,9 @@ pub trait Hyperelastic {
     /// [`Hyperelastic::tangent`] with its negative eigenvalues set to 0, Pa.
     fn projected_tangent(&self, deformation_gradient: DMat3) -> Mat9;
 
-    /// What the kernel reads, in the order it names them.
-    fn parameters(&self) -> [f64; PARAMETERS];
+    /// What the kernel reads.
+    #[cfg(feature = "gpu")]
+    fn parameters(&self) -> SharedValue;
 
     /// Files of the kernel under `kernels/`, in order.
     fn kernels(&self) -> &'static [&'static str];
@@ -144,8 +144,9 @@ impl Material {
         self.model().projected_tangent(deformation_gradient)
     }
 
-    /// What the kernel reads, in the order it names them.
-    pub fn parameters(&self) -> [f64; PARAMETERS] {
+    /// What the kernel reads.
+    #[cfg(feature = "gpu")]
+    pub fn parameters(&self) -> SharedValue {
         self.model().parameters()
     }
 

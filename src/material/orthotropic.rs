@@ -18,7 +18,9 @@
 //! C = I ⊗ S + (F ⊗ I) ∂S/∂E (F ⊗ I)ᵀ + C₀ is projected as a whole ([`positive_part`]): the sum of parts projected one by
 //! one would be positive semi-definite too, but stiffer than need be wherever compression makes S negative and C₀ outweighs it.
 
-use super::{Hyperelastic, PARAMETERS, StableNeoHookean};
+use super::{Hyperelastic, StableNeoHookean};
+#[cfg(feature = "gpu")]
+use crate::gpu::{SharedValue, host_shareable};
 use crate::math::{Mat9, double_dot, positive_part};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
@@ -58,6 +60,29 @@ impl Default for Orthotropic {
             saturation_rates: [2.0, 4.0, 4.0],
             saturation_limit: 3.0,
         }
+    }
+}
+
+#[cfg(feature = "gpu")]
+host_shareable! {
+    /// What the kernel reads (kernels/material/orthotropic.wgsl).
+    pub struct OrthotropicParameters {
+        /// μ of the ground substance, Pa.
+        pub mu: f32,
+        /// λ of the ground substance, Pa.
+        pub lambda: f32,
+        /// c, Pa.
+        pub saturation: f32,
+        /// Q_max.
+        pub saturation_limit: f32,
+        /// √k, √Pa.
+        pub root_fibre_moduli: [f32; 3],
+        /// Padding.
+        pub _pad0: u32,
+        /// √a.
+        pub root_saturation_rates: [f32; 3],
+        /// Padding.
+        pub _pad1: u32,
     }
 }
 
@@ -231,12 +256,20 @@ impl Hyperelastic for Orthotropic {
         positive_part(&self.tangent(f))
     }
 
-    fn parameters(&self) -> [f64; PARAMETERS] {
+    #[cfg(feature = "gpu")]
+    fn parameters(&self) -> SharedValue {
         let (mu, lambda) = self.ground().lame();
-        let [k0, k1, k2] = self.fibre_moduli.map(f64::sqrt);
-        let [a0, a1, a2] = self.saturation_rates.map(f64::sqrt);
-        let (c, limit) = (self.saturation, self.saturation_limit);
-        [mu, lambda, c, limit, k0, k1, k2, 0.0, a0, a1, a2, 0.0]
+        let roots = |values: [f64; 3]| values.map(|v| v.sqrt() as f32);
+        let parameters = OrthotropicParameters {
+            mu: mu as f32,
+            lambda: lambda as f32,
+            saturation: self.saturation as f32,
+            saturation_limit: self.saturation_limit as f32,
+            root_fibre_moduli: roots(self.fibre_moduli),
+            root_saturation_rates: roots(self.saturation_rates),
+            ..OrthotropicParameters::default()
+        };
+        parameters.into()
     }
 
     fn kernels(&self) -> &'static [&'static str] {

@@ -12,7 +12,9 @@
 //! and with λ + μ for their λ, so that the linearisation at rest is isotropic elasticity of the Lamé
 //! parameters μ = E/(2(1 + ν)), λ = Eν/((1 + ν)(1 − 2ν)). It is finite for inverted elements.
 
-use super::{Hyperelastic, PARAMETERS};
+use super::Hyperelastic;
+#[cfg(feature = "gpu")]
+use crate::gpu::{SharedValue, host_shareable};
 use crate::math::{
     Mat9, SingularValues, cofactor, double_dot, flatten, singular_values, skew, symmetric_eigen,
 };
@@ -30,6 +32,17 @@ pub struct StableNeoHookean {
     pub youngs_modulus: f64,
     /// Poisson's ratio ν, in (−1, 0.5).
     pub poissons_ratio: f64,
+}
+
+#[cfg(feature = "gpu")]
+host_shareable! {
+    /// What the kernel reads (kernels/material/stable_neo_hookean.wgsl).
+    pub struct StableNeoHookeanParameters {
+        /// μ, Pa.
+        pub mu: f32,
+        /// λ, Pa.
+        pub lambda: f32,
+    }
 }
 
 impl StableNeoHookean {
@@ -176,11 +189,14 @@ impl Hyperelastic for StableNeoHookean {
         c
     }
 
-    fn parameters(&self) -> [f64; PARAMETERS] {
+    #[cfg(feature = "gpu")]
+    fn parameters(&self) -> SharedValue {
         let (mu, lambda) = self.lame();
-        let mut out = [0.0; PARAMETERS];
-        out[..2].copy_from_slice(&[mu, lambda]);
-        out
+        let parameters = StableNeoHookeanParameters {
+            mu: mu as f32,
+            lambda: lambda as f32,
+        };
+        parameters.into()
     }
 
     fn kernels(&self) -> &'static [&'static str] {

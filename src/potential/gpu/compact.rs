@@ -1,19 +1,10 @@
 //! Active contacts in fixed order, and the blocks of q that they move.
 
-use super::buffers::{Buffers, row_room};
-use super::{Batch, Sources, WORKGROUP};
+use super::buffers::Buffers;
+use super::dispatch::{Batch, workgroups};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &[
-    "shared/batch.wgsl",
-    "shared/kinematics.wgsl",
-    "shared/point_motion.wgsl",
-    "shared/contact.wgsl",
-    "shared/friction.wgsl",
-    "shared/exclusive_sum.wgsl",
-    "compact.wgsl",
-];
+use crate::gpu::{Kernel, Module};
 
 /// The rows of the active contacts, each in the reduced space, and each block's rows.
 #[derive(Debug)]
@@ -27,28 +18,30 @@ pub(super) struct Compact {
     blocks: u32,
 }
 
-impl Compact {
-    pub fn new(
-        device: &wgpu::Device,
-        sources: &Sources,
-        buffers: &Buffers,
-        contacts: usize,
-        blocks: usize,
-    ) -> Result<Self> {
-        let module = sources.module("compact", INCLUDES)?;
+impl Stage for Compact {
+    const INCLUDES: &'static [&'static str] = &[
+        "shared/batch.wgsl",
+        "shared/kinematics.wgsl",
+        "shared/point_motion.wgsl",
+        "shared/contact.wgsl",
+        "shared/friction.wgsl",
+        "shared/exclusive_sum.wgsl",
+    ];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         let kernel = |entry| module.kernel(device, entry, &buffers.over_skin());
         Ok(Self {
             compact: kernel("compact")?,
             friction_rows: kernel("friction_rows")?,
             contact_rows: kernel("contact_rows_of")?,
             block_contacts: kernel("block_contacts_of")?,
-            lagged_groups: (contacts as u32).div_ceil(WORKGROUP),
-            row_groups: (row_room(contacts) as u32).div_ceil(WORKGROUP),
-            blocks: blocks as u32,
+            lagged_groups: workgroups(buffers.sizes.contacts),
+            row_groups: workgroups(buffers.sizes.rows),
+            blocks: buffers.sizes.blocks as u32,
         })
     }
 
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.compact, pass, 1);
         batch.dispatch(&self.friction_rows, pass, self.lagged_groups);
         batch.dispatch(&self.contact_rows, pass, self.row_groups);

@@ -1,20 +1,11 @@
 //! Distances of the skin's vertices from the colliders.
 
 use super::buffers::Buffers;
+use super::dispatch::{Batch, workgroups};
 use super::sources::SHAPES;
-use super::{Batch, Sources, WORKGROUP};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &[
-    "shared/batch.wgsl",
-    "shared/kinematics.wgsl",
-    "shared/point_motion.wgsl",
-    "shared/distance.wgsl",
-    "shared/contact.wgsl",
-    SHAPES,
-    "contact.wgsl",
-];
+use crate::gpu::{Kernel, Module};
 
 /// Depth and normal of every vertex at every collider.
 #[derive(Debug)]
@@ -24,22 +15,32 @@ pub(super) struct Contact {
     groups: u32,
 }
 
-impl Contact {
-    pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-        let module = sources.module("contact", INCLUDES)?;
+impl Stage for Contact {
+    const INCLUDES: &'static [&'static str] = &[
+        "shared/batch.wgsl",
+        "shared/kinematics.wgsl",
+        "shared/point_motion.wgsl",
+        "shared/distance.wgsl",
+        "shared/contact.wgsl",
+        SHAPES,
+    ];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
             contact: module.kernel(device, "contact", &buffers.over_skin())?,
             lagged: module.kernel(device, "contact", &buffers.over_lagged_skin())?,
-            groups: (buffers.skin.points.len() as u32).div_ceil(WORKGROUP),
+            groups: workgroups(buffers.sizes.vertices),
         })
     }
 
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+        batch.dispatch(&self.contact, pass, self.groups);
+    }
+}
+
+impl Contact {
     /// For the starts, against the colliders of tⁿ.
     pub fn dispatch_lagged(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.lagged, pass, self.groups);
-    }
-
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
-        batch.dispatch(&self.contact, pass, self.groups);
     }
 }

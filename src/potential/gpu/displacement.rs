@@ -1,16 +1,10 @@
 //! d = x(q) − x(q_base) at the cubature points.
 
 use super::buffers::Buffers;
-use super::{Batch, Sources, WORKGROUP};
+use super::dispatch::{Batch, workgroups};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &[
-    "shared/batch.wgsl",
-    "shared/kinematics.wgsl",
-    "shared/point_motion.wgsl",
-    "displacement.wgsl",
-];
+use crate::gpu::{Kernel, Module};
 
 /// Motion of the cubature points.
 #[derive(Debug)]
@@ -19,16 +13,21 @@ pub(super) struct Displacement {
     groups: u32,
 }
 
-impl Displacement {
-    pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-        let module = sources.module("displacement", INCLUDES)?;
+impl Stage for Displacement {
+    const INCLUDES: &'static [&'static str] = &[
+        "shared/batch.wgsl",
+        "shared/kinematics.wgsl",
+        "shared/point_motion.wgsl",
+    ];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
             displacement: module.kernel(device, "displacement", &buffers.over_cubature())?,
-            groups: (buffers.cubature.points.len() as u32).div_ceil(WORKGROUP),
+            groups: workgroups(buffers.sizes.points),
         })
     }
 
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.displacement, pass, self.groups);
     }
 }

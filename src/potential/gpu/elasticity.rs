@@ -1,20 +1,11 @@
 //! F, P and the projected C at the cubature points.
 
 use super::buffers::Buffers;
+use super::dispatch::{Batch, workgroups};
 use super::sources::MATERIAL;
-use super::{Batch, Sources, WORKGROUP};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &[
-    "shared/batch.wgsl",
-    "shared/kinematics.wgsl",
-    "shared/tensor.wgsl",
-    "shared/decomposition.wgsl",
-    "shared/tissue.wgsl",
-    MATERIAL,
-    "elasticity.wgsl",
-];
+use crate::gpu::{Kernel, Module};
 
 /// Stress and tangent of the cubature points.
 #[derive(Debug)]
@@ -23,16 +14,24 @@ pub(super) struct Elasticity {
     groups: u32,
 }
 
-impl Elasticity {
-    pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-        let module = sources.module("elasticity", INCLUDES)?;
+impl Stage for Elasticity {
+    const INCLUDES: &'static [&'static str] = &[
+        "shared/batch.wgsl",
+        "shared/kinematics.wgsl",
+        "shared/tensor.wgsl",
+        "shared/decomposition.wgsl",
+        "shared/tissue.wgsl",
+        MATERIAL,
+    ];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
             elasticity: module.kernel(device, "elasticity", &buffers.over_cubature())?,
-            groups: (buffers.cubature.points.len() as u32).div_ceil(WORKGROUP),
+            groups: workgroups(buffers.sizes.points),
         })
     }
 
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.elasticity, pass, self.groups);
     }
 }

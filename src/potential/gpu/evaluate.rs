@@ -1,110 +1,111 @@
 //! Energy, gradient and Hessian on the GPU: one submission (one a chunk, where the scratch memory does not hold all
 //! states) and one readback.
 
-use super::geometric::contact_bytes;
+use super::geometric::geometric_terms;
 use super::potential::{GpuPotential, Start};
 use super::shared::{BatchState, Summary};
+use super::stage::Stage;
 use crate::model::State;
 use crate::potential::{Energies, Evaluation};
 use crate::{Error, GpuError, Result};
 use glam::Vec3;
 
-impl GpuPotential {
-    /// Every active state, from its instance's start.
-    pub(super) async fn evaluate_states(
-        &mut self,
-        states: &[State],
-        active: &[bool],
-        out: &mut [Evaluation],
-    ) -> Result<()> {
-        self.check_length("states", states.len())?;
-        self.check_length("active", active.len())?;
-        self.check_length("out", out.len())?;
-        let instances = self.starts.len();
-        self.clear_uploads();
-        for (i, state) in states.iter().enumerate().filter(|(i, _)| active[*i]) {
-            self.check_state(state)?;
-            let Start {
-                origin,
-                current,
-                header,
-                ..
-            } = self.start(i)?.clone();
-            let header = BatchState {
-                slot: (instances + self.batch.len()) as u32,
-                base: i as u32,
-                ..header
-            };
-            self.push(header, &current, state, origin);
-        }
-        let count = self.batch.len();
-        if count == 0 {
-            return Ok(());
-        }
-        self.upload(instances);
-        let summary_bytes = (count * size_of::<Summary>()) as u64;
-        let stride = self.buffers.result_stride;
-        let contacts_at = summary_bytes + (4 * count * stride) as u64;
-        let contact_bytes = contact_bytes(self.options.contacts);
-        let wanted = |header: &BatchState| {
-            let start = self.starts[header.instance as usize].as_ref();
-            start.is_some_and(|start| start.geometric.is_some())
+/// Every active state, from its instance's start.
+pub(super) async fn evaluate(
+    potential: &mut GpuPotential,
+    states: &[State],
+    active: &[bool],
+    out: &mut [Evaluation],
+) -> Result<()> {
+    potential.check_length("states", states.len())?;
+    potential.check_length("active", active.len())?;
+    potential.check_length("out", out.len())?;
+    let instances = potential.starts.len();
+    potential.clear_uploads();
+    for (i, state) in states.iter().enumerate().filter(|(i, _)| active[*i]) {
+        potential.check_state(state)?;
+        let Start {
+            origin,
+            current,
+            batch_state,
+            ..
+        } = potential.start(i)?.clone();
+        let batch_state = BatchState {
+            slot: (instances + potential.batch.len()) as u32,
+            base: i as u32,
+            ..batch_state
         };
-        let geometric = self.batch.iter().any(wanted);
-        let bytes = contacts_at
-            + if geometric {
-                (count * contact_bytes) as u64
-            } else {
-                0
-            };
-        let mut done = 0;
-        for batch in self.chunks(count) {
-            let first = done;
-            done += batch.states as usize;
-            self.submit(
-                |stages, pass| {
-                    stages.displacement.dispatch(pass, batch);
-                    stages.elasticity.dispatch(pass, batch);
-                    stages.contact.dispatch(pass, batch);
-                    if self.has_friction {
-                        stages.friction.dispatch(pass, batch);
-                    }
-                    stages.compact.dispatch(pass, batch);
-                    stages.gradient.dispatch(pass, batch);
-                    stages.point_hessian.dispatch(pass, batch);
-                    stages.hessian.dispatch(pass, batch);
-                    stages.energy.dispatch(pass, batch);
-                },
-                |encoder| {
-                    if geometric {
-                        // The next chunk writes over them.
-                        let contacts = self.buffers.contacts.raw();
-                        let range = 0..((done - first) * contact_bytes) as u64;
-                        let at = contacts_at + (first * contact_bytes) as u64;
-                        (self.readback).record(encoder, contacts, range, at);
-                    }
-                    if done == count {
-                        let summaries = self.buffers.summaries.raw();
-                        (self.readback).record(encoder, summaries, 0..summary_bytes, 0);
-                        let result = self.buffers.result.raw();
-                        let range = 0..contacts_at - summary_bytes;
-                        (self.readback).record(encoder, result, range, summary_bytes);
-                    }
-                },
-            );
-        }
-        let (dofs, capacity) = (self.avatar.space().dofs(), self.options.contacts);
-        let batch = &self.batch;
-        let unpack = |bytes: &[u8]| {
+        potential.push_state(batch_state, &current, state, origin);
+    }
+    let count = potential.batch.len();
+    if count == 0 {
+        return Ok(());
+    }
+    potential.upload(instances);
+    let summary_bytes = (count * size_of::<Summary>()) as u64;
+    let stride = potential.buffers.sizes.result;
+    let contacts_at = summary_bytes + (4 * count * stride) as u64;
+    let contact_bytes = potential.buffers.sizes.contact_bytes();
+    let wanted = |batch_state: &BatchState| {
+        let start = potential.starts[batch_state.instance as usize].as_ref();
+        start.is_some_and(|start| start.geometric.is_some())
+    };
+    let geometric = potential.batch.iter().any(wanted);
+    let bytes = contacts_at
+        + if geometric {
+            (count * contact_bytes) as u64
+        } else {
+            0
+        };
+    let mut done = 0;
+    for batch in potential.chunks(count) {
+        let first = done;
+        done += batch.states as usize;
+        potential.submit(
+            |stages, pass| {
+                stages.displacement.dispatch(pass, batch);
+                stages.elasticity.dispatch(pass, batch);
+                stages.contact.dispatch(pass, batch);
+                if potential.has_friction {
+                    stages.friction.dispatch(pass, batch);
+                }
+                stages.compact.dispatch(pass, batch);
+                stages.gradient.dispatch(pass, batch);
+                stages.point_hessian.dispatch(pass, batch);
+                stages.hessian.dispatch(pass, batch);
+                stages.energy.dispatch(pass, batch);
+            },
+            |encoder| {
+                if geometric {
+                    // The next chunk writes over them.
+                    let contacts = potential.buffers.common.contacts.raw();
+                    let range = 0..((done - first) * contact_bytes) as u64;
+                    let at = contacts_at + (first * contact_bytes) as u64;
+                    (potential.readback).record(encoder, contacts, range, at);
+                }
+                if done == count {
+                    let summaries = potential.buffers.common.summaries.raw();
+                    (potential.readback).record(encoder, summaries, 0..summary_bytes, 0);
+                    let result = potential.buffers.common.result.raw();
+                    let range = 0..contacts_at - summary_bytes;
+                    (potential.readback).record(encoder, result, range, summary_bytes);
+                }
+            },
+        );
+    }
+    let (dofs, capacity) = (potential.avatar.space().dofs(), potential.options.contacts);
+    let batch = &potential.batch;
+    let unpack =
+        |bytes: &[u8]| {
             let (results, contacts) = bytes.split_at(contacts_at as usize);
             let (summaries, results) = results.split_at(summary_bytes as usize);
             let mut found = Vec::with_capacity(count);
-            for (header, bytes) in batch
+            for (batch_state, bytes) in batch
                 .iter()
                 .zip(summaries.chunks_exact(size_of::<Summary>()))
             {
                 let summary: Summary = bytemuck::pod_read_unaligned(bytes);
-                check_contacts(&summary, header.instance, capacity)?;
+                check_contacts(&summary, batch_state.instance, capacity)?;
                 found.push(summary);
             }
             if !results.chunks_exact(4).all(|b| float(b).is_finite()) {
@@ -129,13 +130,15 @@ impl GpuPotential {
                     std::array::from_fn(|k| f64::from(float(&block[4 * k..4 * k + 4])))
                 }));
                 let contacts = contacts.get(b * contact_bytes..).unwrap_or_default();
-                let (start, state) = (self.start(instance)?, &states[instance]);
-                self.geometric_terms(start, state, contacts, &mut evaluation.geometric);
+                let (start, state) = (potential.start(instance)?, &states[instance]);
+                geometric_terms(potential, start, state, contacts, &mut evaluation.geometric);
             }
             Ok(())
         };
-        self.readback.read(&self.device, bytes, unpack).await?
-    }
+    potential
+        .readback
+        .read(&potential.device, bytes, unpack)
+        .await?
 }
 
 fn float(bytes: &[u8]) -> f32 {

@@ -1,19 +1,10 @@
-//! The contacts of a step's start that rub, and how they have slid.
+//! The contacts of a step's start that have friction, and their slip.
 
 use super::buffers::Buffers;
-use super::{Batch, Sources, WORKGROUP};
+use super::dispatch::{Batch, workgroups};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &[
-    "shared/batch.wgsl",
-    "shared/kinematics.wgsl",
-    "shared/point_motion.wgsl",
-    "shared/contact.wgsl",
-    "shared/friction.wgsl",
-    "shared/exclusive_sum.wgsl",
-    "friction.wgsl",
-];
+use crate::gpu::{Kernel, Module};
 
 /// Lists the lagged contacts at a step's start; measures their slip in every state.
 #[derive(Debug)]
@@ -24,30 +15,36 @@ pub(super) struct Friction {
     groups: u32,
 }
 
-impl Friction {
-    pub fn new(
-        device: &wgpu::Device,
-        sources: &Sources,
-        buffers: &Buffers,
-        contacts: usize,
-    ) -> Result<Self> {
-        let module = sources.module("friction", INCLUDES)?;
+impl Stage for Friction {
+    const INCLUDES: &'static [&'static str] = &[
+        "shared/batch.wgsl",
+        "shared/kinematics.wgsl",
+        "shared/point_motion.wgsl",
+        "shared/contact.wgsl",
+        "shared/friction.wgsl",
+        "shared/exclusive_sum.wgsl",
+    ];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         let kernel = |entry| module.kernel(device, entry, &buffers.over_lagged_skin());
         Ok(Self {
             lag: kernel("lag")?,
             anchor: kernel("anchor")?,
             slip: kernel("slip")?,
-            groups: (contacts as u32).div_ceil(WORKGROUP),
+            groups: workgroups(buffers.sizes.contacts),
         })
     }
 
+    /// The slip of the states.
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+        batch.dispatch(&self.slip, pass, self.groups);
+    }
+}
+
+impl Friction {
     /// After the lagged distances, for the starts.
     pub fn dispatch_lag(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.lag, pass, 1);
         batch.dispatch(&self.anchor, pass, self.groups);
-    }
-
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
-        batch.dispatch(&self.slip, pass, self.groups);
     }
 }

@@ -1,7 +1,6 @@
 //! The geometric terms of contact on the GPU's way: the rows of the active contacts are read back, and
 //! [`crate::potential::cpu::geometric`] assembles their terms in f64.
 
-use super::buffers::row_room;
 use super::potential::{GpuPotential, Start};
 use super::shared::Contact;
 use crate::model::State;
@@ -11,48 +10,48 @@ use crate::potential::cpu::geometric::{Vertex, add_geometric};
 use crate::potential::cpu::pose_blend::pose_blend;
 use glam::{DVec3, Vec3};
 
-/// Bytes of the contacts of one state: a header with the number of rows, then the rows.
-pub(super) fn contact_bytes(contacts: usize) -> usize {
-    (1 + row_room(contacts)) * size_of::<Contact>()
-}
-
-impl GpuPotential {
-    /// The terms of the rows in `contacts`, as read back, at `state`; none where the step did not ask for them.
-    pub(super) fn geometric_terms(
-        &self,
-        start: &Start,
-        state: &State,
-        contacts: &[u8],
-        out: &mut Vec<[f64; 9]>,
-    ) {
-        out.clear();
-        let Some(feature) = &start.geometric else {
-            return;
+/// The terms of the rows in `contacts`, as read back, at `state`; none where the step did not ask for them.
+pub(super) fn geometric_terms(
+    potential: &GpuPotential,
+    start: &Start,
+    state: &State,
+    contacts: &[u8],
+    out: &mut Vec<[f64; 9]>,
+) {
+    out.clear();
+    let Some(feature) = &start.geometric else {
+        return;
+    };
+    out.resize(potential.pattern.len(), [0.0; 9]);
+    let (skin, joints) = (&potential.avatar.skin, &potential.avatar.skeleton.joints);
+    let mut rows = contacts
+        .chunks_exact(size_of::<Contact>())
+        .map(bytemuck::pod_read_unaligned::<Contact>);
+    let count = rows.next().map_or(0, |header| header.body);
+    for row in rows.take(count as usize).filter(|row| row.force != 0.0) {
+        let v = row.vertex as usize;
+        let mut rest = [DVec3::ZERO];
+        pose_blend(&skin.position, &skin.pose_blend, feature, v, &mut rest);
+        let basis = skin.basis.row(v);
+        let vertex = Vertex {
+            skinning: skin.skinning.row(v),
+            basis,
+            unposed: rest[0] + unposed_displacement(basis, &state.handles),
         };
-        out.resize(self.pattern.len(), [0.0; 9]);
-        let (skin, joints) = (&self.avatar.skin, &self.avatar.skeleton.joints);
-        let mut rows = contacts
-            .chunks_exact(size_of::<Contact>())
-            .map(bytemuck::pod_read_unaligned::<Contact>);
-        let count = rows.next().map_or(0, |header| header.body);
-        for row in rows.take(count as usize).filter(|row| row.force != 0.0) {
-            let v = row.vertex as usize;
-            let mut rest = [DVec3::ZERO];
-            pose_blend(&skin.position, &skin.pose_blend, feature, v, &mut rest);
-            let basis = skin.basis.row(v);
-            let vertex = Vertex {
-                skinning: skin.skinning.row(v),
-                basis,
-                unposed: rest[0] + unposed_displacement(basis, &state.handles),
-            };
-            let row = ContactRow {
-                vertex: row.vertex,
-                body: row.body.checked_sub(1),
-                direction: Vec3::from_array(row.direction).as_dvec3(),
-                force: row.force.into(),
-                stiffness: row.stiffness.into(),
-            };
-            add_geometric(&self.pattern, &row, &vertex, joints, &state.frames, out);
-        }
+        let row = ContactRow {
+            vertex: row.vertex,
+            body: row.body.checked_sub(1),
+            direction: Vec3::from_array(row.direction).as_dvec3(),
+            force: row.force.into(),
+            stiffness: row.stiffness.into(),
+        };
+        add_geometric(
+            &potential.pattern,
+            &row,
+            &vertex,
+            joints,
+            &state.frames,
+            out,
+        );
     }
 }

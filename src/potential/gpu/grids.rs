@@ -9,21 +9,21 @@ use std::sync::Arc;
 pub(super) struct Grids {
     texture: wgpu::Texture,
     view: wgpu::TextureView,
-    room: usize,
-    slots: Vec<Arc<DistanceGrid>>,
+    capacity: usize,
+    held: Vec<Arc<DistanceGrid>>,
 }
 
 /// Nodes along an axis.
 const NODES: u32 = MESH_NODES as u32;
 
 impl Grids {
-    /// Room for `room` grids.
+    /// Room for `capacity` grids.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where a texture cannot be so deep.
-    pub fn new(device: &wgpu::Device, room: usize) -> Result<Self> {
+    pub fn new(device: &wgpu::Device, capacity: usize) -> Result<Self> {
         let (needed, limit) = (
-            u64::from(NODES) * room.max(1) as u64,
+            u64::from(NODES) * capacity.max(1) as u64,
             u64::from(device.limits().max_texture_dimension_3d),
         );
         if needed > limit {
@@ -52,8 +52,8 @@ impl Grids {
         Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             texture,
-            room,
-            slots: Vec::new(),
+            capacity,
+            held: Vec::new(),
         })
     }
 
@@ -61,24 +61,24 @@ impl Grids {
         &self.view
     }
 
-    /// Slot of `collider`'s grid, 0 of a shape without one; a grid that is new is sent.
+    /// Index of `collider`'s grid, 0 of a shape without one; a grid that is new is sent.
     ///
     /// # Errors
     /// [`GpuError::Limit`] where there is no room for another grid.
-    pub fn slot(&mut self, queue: &wgpu::Queue, collider: &Collider) -> Result<usize> {
+    pub fn index(&mut self, queue: &wgpu::Queue, collider: &Collider) -> Result<usize> {
         let Shape::Mesh(mesh) = &collider.shape else {
             return Ok(0);
         };
         let grid = mesh.grid();
-        if let Some(slot) = self.slots.iter().position(|s| Arc::ptr_eq(s, grid)) {
-            return Ok(slot);
+        if let Some(index) = self.held.iter().position(|s| Arc::ptr_eq(s, grid)) {
+            return Ok(index);
         }
-        let slot = self.slots.len();
-        if slot >= self.room {
+        let index = self.held.len();
+        if index >= self.capacity {
             return Err(GpuError::Limit {
                 what: "meshes that are colliders".to_owned(),
-                needed: slot as u64 + 1,
-                limit: self.room as u64,
+                needed: index as u64 + 1,
+                limit: self.capacity as u64,
                 cure: "raise GpuOptions::meshes",
             }
             .into());
@@ -95,7 +95,7 @@ impl Grids {
                 origin: wgpu::Origin3d {
                     x: 0,
                     y: 0,
-                    z: NODES * slot as u32,
+                    z: NODES * index as u32,
                 },
                 aspect: wgpu::TextureAspect::All,
             },
@@ -107,7 +107,7 @@ impl Grids {
             },
             size,
         );
-        self.slots.push(grid.clone());
-        Ok(slot)
+        self.held.push(grid.clone());
+        Ok(index)
     }
 }

@@ -1,11 +1,10 @@
 //! The packed Hessian, gathered from points and contacts.
 
 use super::buffers::Buffers;
-use super::{Batch, Sources, WORKGROUP};
+use super::dispatch::{Batch, workgroups};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &["shared/batch.wgsl", "shared/contact.wgsl", "hessian.wgsl"];
+use crate::gpu::{Kernel, Module};
 
 /// The stored blocks of the Hessian.
 #[derive(Debug)]
@@ -14,16 +13,17 @@ pub(super) struct Hessian {
     groups: u32,
 }
 
-impl Hessian {
-    pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-        let module = sources.module("hessian", INCLUDES)?;
+impl Stage for Hessian {
+    const INCLUDES: &'static [&'static str] = &["shared/batch.wgsl", "shared/contact.wgsl"];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
             hessian: module.kernel(device, "hessian", &buffers.over_cubature())?,
-            groups: (buffers.pattern.len() as u32).div_ceil(WORKGROUP),
+            groups: workgroups(buffers.sizes.pattern_blocks),
         })
     }
 
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.hessian, pass, self.groups);
     }
 }

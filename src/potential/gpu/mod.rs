@@ -1,77 +1,108 @@
-//! One typed wrapper a kernel, and the evaluation of the potential made of them.
+//! The potential on the GPU, in the order in which the data flows; a file imports only files named before it.
+//!
+//! - **What the kernels see.** [`shared`] has the structs that both sides read, `pack` makes them of the model's f64
+//!   numbers, `tables` holds those of an avatar that never change.
+//! - **What the device holds.** `stage_list` names the stages, `sources` composes their texts, `options` is what a host
+//!   chooses, `dispatch` is a batch of states and its chunks, `sizes` says how many of what there are, `grids` and
+//!   `buffers` are the memory.
+//! - **The stages.** `stage` is what they have in common; then one file a kernel; `stages` is all of them.
+//! - **A step.** `potential` is what is made once, `upload` sends states, `begin_step`, `geometric` and `evaluate`,
+//!   `energy_differences` and `pose_skin` submit the stages and read back; `profile` times them one by one.
 
-mod begin_step;
+// What the kernels see.
+mod pack;
+pub mod shared;
+mod tables;
+
+// What the device holds.
 mod buffers;
+mod dispatch;
+mod grids;
+mod options;
+mod sizes;
+mod sources;
+mod stage_list;
+
+// The stages, one line each here and in `stage_list`.
 mod compact;
 mod contact;
 mod displacement;
 mod elasticity;
 mod energy;
-mod energy_differences;
-mod evaluate;
 mod friction;
-mod geometric;
 mod gradient;
-mod grids;
 mod hessian;
 mod normals;
 mod point_hessian;
 mod pose_blend;
+mod skin;
+mod stage;
+mod stages;
+
+// A step.
+mod begin_step;
+mod energy_differences;
+mod evaluate;
+mod geometric;
 mod pose_skin;
 mod potential;
 mod profile;
-pub mod shared;
-mod skin;
-mod sources;
-mod tables;
 mod upload;
 
-pub use potential::{GpuOptions, GpuPotential};
+pub use options::GpuOptions;
+pub use potential::GpuPotential;
 pub use sources::Sources;
+pub use stages::modules;
 
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::model::{Space, State};
+use crate::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
+use glam::DVec3;
 
-/// Threads of a workgroup in kernels that take one thread an item.
-const WORKGROUP: u32 = 64;
-
-/// States that a dispatch takes: which chunk of the batch, and how many.
-#[derive(Clone, Copy, Debug)]
-struct Batch {
-    chunk: u32,
-    states: u32,
-}
-
-impl Batch {
-    fn dispatch(self, kernel: &Kernel, pass: &mut wgpu::ComputePass<'_>, workgroups: u32) {
-        let offset = self.chunk * buffers::CHUNK_STRIDE as u32;
-        kernel.dispatch(pass, [workgroups, self.states, 1], offset);
+impl Potential for GpuPotential {
+    fn name(&self) -> String {
+        self.name.clone()
     }
-}
 
-/// What each kernel is composed of.
-const KERNELS: &[(&str, &[&str])] = &[
-    ("pose_blend", pose_blend::INCLUDES),
-    ("displacement", displacement::INCLUDES),
-    ("elasticity", elasticity::INCLUDES),
-    ("contact", contact::INCLUDES),
-    ("friction", friction::INCLUDES),
-    ("compact", compact::INCLUDES),
-    ("gradient", gradient::INCLUDES),
-    ("point_hessian", point_hessian::INCLUDES),
-    ("hessian", hessian::INCLUDES),
-    ("energy", energy::INCLUDES),
-    ("skin", skin::INCLUDES),
-    ("normals", normals::INCLUDES),
-];
+    fn space(&self) -> Space {
+        self.avatar.space()
+    }
 
-/// Every kernel, parsed and validated; needs no device.
-///
-/// # Errors
-/// [`crate::GpuError::Shader`] of the first that does not compile.
-pub fn modules(sources: &Sources) -> Result<Vec<Module>> {
-    KERNELS
-        .iter()
-        .map(|(name, includes)| sources.module(name, includes))
-        .collect()
+    fn pattern(&self) -> &BlockPattern {
+        &self.pattern
+    }
+
+    fn instances(&self) -> usize {
+        self.starts.len()
+    }
+
+    async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
+        begin_step::begin_step(self, starts, active).await
+    }
+
+    async fn evaluate(
+        &mut self,
+        states: &[State],
+        active: &[bool],
+        out: &mut [Evaluation],
+    ) -> Result<()> {
+        evaluate::evaluate(self, states, active, out).await
+    }
+
+    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+        energy_differences::energy_differences(self, trials, out).await
+    }
+
+    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+        pose_skin::pose_skin(self, states).await
+    }
+
+    async fn read_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        pose_skin::read_skin(self, instance, positions, normals).await
+    }
 }

@@ -1,11 +1,10 @@
-//! Normals of the drawn skin.
+//! Normals of the posed skin.
 
 use super::buffers::Buffers;
-use super::{Batch, Sources, WORKGROUP};
+use super::dispatch::{Batch, workgroups};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &["shared/batch.wgsl", "normals.wgsl"];
+use crate::gpu::{Kernel, Module};
 
 /// Area-weighted vertex normals.
 #[derive(Debug)]
@@ -14,16 +13,17 @@ pub(super) struct Normals {
     groups: u32,
 }
 
-impl Normals {
-    pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-        let module = sources.module("normals", INCLUDES)?;
+impl Stage for Normals {
+    const INCLUDES: &'static [&'static str] = &["shared/batch.wgsl"];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
             normals: module.kernel(device, "normals", &buffers.over_skin())?,
-            groups: (buffers.skin.points.len() as u32).div_ceil(WORKGROUP),
+            groups: workgroups(buffers.sizes.vertices),
         })
     }
 
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.normals, pass, self.groups);
     }
 }

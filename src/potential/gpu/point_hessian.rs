@@ -1,16 +1,10 @@
 //! The Hessian of every cubature point by itself.
 
 use super::buffers::Buffers;
-use super::{Batch, Sources};
+use super::dispatch::Batch;
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
-
-pub(super) const INCLUDES: &[&str] = &[
-    "shared/batch.wgsl",
-    "shared/kinematics.wgsl",
-    "shared/tensor.wgsl",
-    "point_hessian.wgsl",
-];
+use crate::gpu::{Kernel, Module};
 
 /// All pairs of blocks of every point.
 #[derive(Debug)]
@@ -19,16 +13,21 @@ pub(super) struct PointHessian {
     points: u32,
 }
 
-impl PointHessian {
-    pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-        let module = sources.module("point_hessian", INCLUDES)?;
+impl Stage for PointHessian {
+    const INCLUDES: &'static [&'static str] = &[
+        "shared/batch.wgsl",
+        "shared/kinematics.wgsl",
+        "shared/tensor.wgsl",
+    ];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
             point_hessian: module.kernel(device, "point_hessian", &buffers.over_cubature())?,
-            points: buffers.cubature.points.len() as u32,
+            points: buffers.sizes.points as u32,
         })
     }
 
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.point_hessian, pass, self.points);
     }
 }

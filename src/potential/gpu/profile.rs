@@ -1,36 +1,10 @@
 //! What each stage of an evaluation costs.
 
-use super::potential::{GpuPotential, Stages};
-use super::{Batch, shared::Summary};
+use super::potential::GpuPotential;
+use super::shared::Summary;
+use super::stages::{Dispatch, Stages};
 use crate::Result;
 use std::time::Instant;
-
-type Dispatch = fn(&Stages, &mut wgpu::ComputePass<'_>, Batch);
-
-/// The stages of begin_step, evaluate and pose_skin, in order.
-const STAGES: &[(&str, Dispatch)] = &[
-    ("pose_blend", |s, pass, b| {
-        s.pose_blend.dispatch_cubature(pass, b);
-    }),
-    ("displacement", |s, pass, b| {
-        s.displacement.dispatch(pass, b)
-    }),
-    ("elasticity", |s, pass, b| s.elasticity.dispatch(pass, b)),
-    ("contact", |s, pass, b| s.contact.dispatch(pass, b)),
-    ("friction", |s, pass, b| s.friction.dispatch(pass, b)),
-    ("compact", |s, pass, b| s.compact.dispatch(pass, b)),
-    ("gradient", |s, pass, b| s.gradient.dispatch(pass, b)),
-    ("point_hessian", |s, pass, b| {
-        s.point_hessian.dispatch(pass, b)
-    }),
-    ("hessian", |s, pass, b| s.hessian.dispatch(pass, b)),
-    ("energy", |s, pass, b| s.energy.dispatch(pass, b)),
-    ("posed pose_blend", |s, pass, b| {
-        s.pose_blend.dispatch_posed_skin(pass, b)
-    }),
-    ("skin", |s, pass, b| s.skin.dispatch(pass, b)),
-    ("normals", |s, pass, b| s.normals.dispatch(pass, b)),
-];
 
 impl GpuPotential {
     /// Least wall-clock seconds of each stage over `repeats` runs on the states of the last
@@ -40,9 +14,9 @@ impl GpuPotential {
     /// # Errors
     /// [`crate::GpuError::DeviceLost`].
     pub async fn stage_times(&mut self, repeats: usize) -> Result<Vec<(&'static str, f64)>> {
-        let empty: (&str, Dispatch) = ("submission", |_, _, _| {});
+        let empty: (&str, Dispatch) = ("submission", Box::new(|_, _, _| {}));
         let mut times = Vec::new();
-        for (name, dispatch) in std::iter::once(&empty).chain(STAGES) {
+        for (name, dispatch) in std::iter::once(empty).chain(Stages::timed()) {
             let mut least = f64::INFINITY;
             for _ in 0..repeats.max(1) {
                 let clock = Instant::now();
@@ -54,14 +28,14 @@ impl GpuPotential {
                         }
                     },
                     |encoder| {
-                        let summaries = self.buffers.summaries.raw();
+                        let summaries = self.buffers.common.summaries.raw();
                         self.readback.record(encoder, summaries, 0..bytes, 0);
                     },
                 );
                 self.readback.read(&self.device, bytes, |_| ()).await?;
                 least = least.min(clock.elapsed().as_secs_f64());
             }
-            times.push((*name, least));
+            times.push((name, least));
         }
         Ok(times)
     }

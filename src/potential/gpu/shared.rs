@@ -1,5 +1,5 @@
 //! The structs that the host shares with the kernels; `kernels/shared` has their twins, with what each
-//! field means.
+//! field means. A material's parameters are in its own file ([`crate::material`]).
 
 use crate::gpu::{HostShareable, StructLayout, host_shareable};
 
@@ -39,8 +39,6 @@ host_shareable! {
         pub density: f32,
         /// Padding.
         pub _pad: [u32; 2],
-        /// Parameters of the material.
-        pub material: [[f32; 4]; 3],
     }
 
     /// One state of a batch (kernels/shared/batch.wgsl).
@@ -281,13 +279,13 @@ host_shareable! {
         pub energy: PartialEnergy,
         /// Active contacts found, also where there was no room for them.
         pub contacts: u32,
-        /// Contacts of the step's start that rub, likewise.
+        /// Contacts of the step's start that have friction, likewise.
         pub lagged: u32,
         /// Padding.
         pub _pad: [u32; 2],
     }
 
-    /// A vertex of the drawn skin (kernels/skin.wgsl).
+    /// A vertex of the posed skin (kernels/skin.wgsl).
     pub struct SkinVertex {
         /// Relative to the instance's origin, m.
         pub position: [f32; 3],
@@ -300,7 +298,7 @@ host_shareable! {
     }
 }
 
-/// Layout of every struct that is shared with the kernels.
+/// Layout of every struct that is shared with the kernels whatever the material.
 pub const SHARED_STRUCTS: &[StructLayout<'static>] = &[
     Constants::LAYOUT,
     BatchState::LAYOUT,

@@ -1,34 +1,33 @@
-//! Positions of the drawn skin.
+//! Positions of the posed skin.
 
 use super::buffers::Buffers;
-use super::{Batch, Sources, WORKGROUP};
+use super::dispatch::{Batch, workgroups};
+use super::stage::Stage;
 use crate::Result;
-use crate::gpu::Kernel;
+use crate::gpu::{Kernel, Module};
 
-pub(super) const INCLUDES: &[&str] = &[
-    "shared/batch.wgsl",
-    "shared/kinematics.wgsl",
-    "shared/point_motion.wgsl",
-    "skin.wgsl",
-];
-
-/// Linear blend skinning of the drawn skin.
+/// Linear blend skinning of the posed skin.
 #[derive(Debug)]
 pub(super) struct Skin {
     skin: Kernel,
     groups: u32,
 }
 
-impl Skin {
-    pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-        let module = sources.module("skin", INCLUDES)?;
+impl Stage for Skin {
+    const INCLUDES: &'static [&'static str] = &[
+        "shared/batch.wgsl",
+        "shared/kinematics.wgsl",
+        "shared/point_motion.wgsl",
+    ];
+
+    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            skin: module.kernel(device, "skin", &buffers.over_drawn_skin())?,
-            groups: (buffers.skin.points.len() as u32).div_ceil(WORKGROUP),
+            skin: module.kernel(device, "skin", &buffers.over_posed_skin())?,
+            groups: workgroups(buffers.sizes.vertices),
         })
     }
 
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
         batch.dispatch(&self.skin, pass, self.groups);
     }
 }

@@ -1,5 +1,6 @@
 //! The kernels' texts, and how one is composed from them.
 
+use super::stage_list::with_stages;
 use crate::collider::Shape;
 use crate::gpu::Module;
 use crate::material::Material;
@@ -13,8 +14,8 @@ macro_rules! texts {
     };
 }
 
-/// Every file under `kernels/`.
-const TEXTS: &[(&str, &str)] = texts![
+/// Files under `kernels/` that stages are composed of.
+const PARTS: &[(&str, &str)] = texts![
     "shared/batch.wgsl",
     "shared/kinematics.wgsl",
     "shared/point_motion.wgsl",
@@ -35,19 +36,19 @@ const TEXTS: &[(&str, &str)] = texts![
     "collider/cylinder.wgsl",
     "collider/box.wgsl",
     "collider/mesh.wgsl",
-    "pose_blend.wgsl",
-    "displacement.wgsl",
-    "elasticity.wgsl",
-    "contact.wgsl",
-    "friction.wgsl",
-    "compact.wgsl",
-    "gradient.wgsl",
-    "point_hessian.wgsl",
-    "hessian.wgsl",
-    "energy.wgsl",
-    "skin.wgsl",
-    "normals.wgsl",
 ];
+
+macro_rules! stage_texts {
+    ($($name:ident: $stage:ident,)*) => {
+        &[$((
+            concat!(stringify!($name), ".wgsl"),
+            include_str!(concat!("../../../kernels/", stringify!($name), ".wgsl")),
+        )),*]
+    };
+}
+
+/// The stages' own files.
+const STAGES: &[(&str, &str)] = with_stages!(stage_texts);
 
 /// Stands for the files of the avatar's material in a list of includes.
 pub(super) const MATERIAL: &str = "material";
@@ -65,7 +66,7 @@ impl Sources {
     /// The texts for tissue of `material`.
     pub fn new(material: &Material) -> Self {
         Self {
-            files: (TEXTS.iter())
+            files: (PARTS.iter().chain(STAGES))
                 .map(|&(path, text)| (path, Cow::Borrowed(text)))
                 .collect(),
             material: material.kernels(),
@@ -98,7 +99,7 @@ impl Sources {
         Ok(self)
     }
 
-    /// The module made of `includes` in order.
+    /// The module of stage `name`: `includes` in order, then its own file.
     ///
     /// # Errors
     /// [`GpuError::Shader`] where a file is unknown or the whole does not compile.
@@ -120,6 +121,7 @@ impl Sources {
                 _ => self.append(name, path, &mut source)?,
             }
         }
+        self.append(name, &format!("{name}.wgsl"), &mut source)?;
         Module::parse(name, source)
     }
 

@@ -1,20 +1,17 @@
 //! Constant tables made once from the avatar: who moves whom, and which terms go where.
 
-use super::shared::{HandleGradient, Influence, PatternBlock, Point};
+use super::pack::{columns, round};
+use super::shared::{HandleGradient, Influence, LocalTissue, PatternBlock, Point};
 use crate::math::Rows;
 use crate::model::{Avatar, PointSet, Space};
 use crate::potential::{BlockPattern, point_blocks};
 use crate::{Error, GpuError, Result};
-use glam::DVec3;
+use glam::DMat3;
 
 /// Blocks that may move one cubature point: `MAX_BLOCKS` of point_hessian.wgsl.
 const MAX_POINT_BLOCKS: usize = 192;
 /// Blocks that may move one skin vertex: places are bytes, 0 meaning none, and the last two a body's.
 const MAX_VERTEX_BLOCKS: usize = 253;
-
-pub(super) fn round(v: DVec3) -> [f32; 3] {
-    v.as_vec3().to_array()
-}
 
 /// A set of points as the kernels read it.
 #[derive(Debug, Default)]
@@ -92,6 +89,10 @@ impl PointTable {
 pub(super) struct Tables {
     pub cubature: PointTable,
     pub skin: PointTable,
+    /// Parameters of the material, as its kernel reads them.
+    pub material: Vec<u8>,
+    /// What the material has of its own at every cubature point.
+    pub tissue: Vec<LocalTissue>,
     pub pattern: BlockPattern,
     /// For every block of q, the points' own blocks that add to it.
     pub gather: Rows<u32>,
@@ -165,6 +166,8 @@ impl Tables {
         Ok(Self {
             cubature,
             skin,
+            material: avatar.material.parameters().bytes,
+            tissue: local_tissue(avatar),
             pattern,
             gather: gather.into_iter().collect(),
             pattern_blocks,
@@ -173,4 +176,16 @@ impl Tables {
             one_ring: one_ring.into_iter().collect(),
         })
     }
+}
+
+fn local_tissue(avatar: &Avatar) -> Vec<LocalTissue> {
+    let local = |i: usize| {
+        let local = avatar.tissue_at(i).local;
+        LocalTissue {
+            axes: columns(DMat3::from_quat(local.axes)),
+            stiffness: local.stiffness as f32,
+            ..LocalTissue::default()
+        }
+    };
+    (0..avatar.cubature.len()).map(local).collect()
 }

@@ -75,12 +75,12 @@ pub fn compact(scene: &Scene) -> Outcome {
     let mut want = Vec::new();
     let (areas, colliders) = (&set.measure, &scene.colliders);
     let active = compact_twin::compact(&candidates, areas, colliders, &mut want);
-    let rubbing = slid(scene, phase, phase.slot(), None);
-    for [_, (contact, slip)] in &rubbing {
+    let lagged = slid(scene, phase, phase.slot(), None);
+    for [_, (contact, slip)] in &lagged {
         want.extend(friction_twin::rows(contact, slip, smoothing()));
     }
     let got = listed(scene);
-    if active == 0 || active > OPTIONS_CONTACTS || rubbing.is_empty() {
+    if active == 0 || active > OPTIONS_CONTACTS || lagged.is_empty() {
         return Err(format!(
             "{active} contacts: the scene must have some, and room for them"
         ));
@@ -105,7 +105,7 @@ pub fn compact(scene: &Scene) -> Outcome {
             out.number(got.stiffness, want.stiffness, want.stiffness, 1);
             continue;
         }
-        let [_, (contact, slip)] = rubbing[(k - active) / 2];
+        let [_, (contact, slip)] = lagged[(k - active) / 2];
         let y = slip.length();
         let cancelled = 1.0 + slip.displacement.length() / y;
         let size = DVec3::splat(2.0 * cancelled);

@@ -1,4 +1,4 @@
-//! Kernel friction: the contacts of a step's start that rub, and how they have slid.
+//! Kernel friction: the contacts of a step's start that have friction, and their slip.
 
 use super::INSTANCE;
 use super::bound::{Comparison, Outcome, abs};

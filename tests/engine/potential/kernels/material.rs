@@ -88,7 +88,10 @@ impl Fibres {
 impl<'a> Magnitudes<'a> {
     /// At `tissue` with H = `h`, whose terms sum to `abs_h` in absolute value.
     pub fn new(tissue: MaterialPoint<'a>, h: DMat3, abs_h: DMat3) -> Self {
-        let [mu, lambda, ..] = tissue.material.parameters();
+        let (mu, lambda) = match tissue.material {
+            Material::StableNeoHookean(m) => m.lame(),
+            Material::Orthotropic(m) => m.ground().lame(),
+        };
         Self {
             tissue,
             mu,

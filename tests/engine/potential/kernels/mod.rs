@@ -44,7 +44,7 @@ impl Phase {
         match self {
             // The trial is the first state after the starts.
             Self::Compared => INSTANCES,
-            Self::Evaluated | Self::Drawn => INSTANCES + INSTANCE,
+            Self::Evaluated | Self::Posed => INSTANCES + INSTANCE,
         }
     }
 }

@@ -20,7 +20,7 @@ pub fn pose_blend(scene: &Scene) -> Outcome {
     for (phase, name, set) in [
         (Phase::Evaluated, "unposed", &avatar.cubature),
         (Phase::Evaluated, "skin_unposed", &avatar.skin),
-        (Phase::Drawn, "posed_skin_unposed", &avatar.skin),
+        (Phase::Posed, "posed_skin_unposed", &avatar.skin),
     ] {
         let features = set.pose_blend.features;
         let feature: Vec<f32> = scene.items(phase, "pose_features", INSTANCE, features);
@@ -233,7 +233,7 @@ pub fn skin_roundings(set: &PointSet, i: usize) -> usize {
 pub fn skin(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let set = &scene.avatar.skin;
-    let phase = Phase::Drawn;
+    let phase = Phase::Posed;
     let rest = scene.rest(phase, "posed_skin_unposed", set);
     let frames = scene.frames(phase, phase.slot());
     let phi = scene.displaced(phase, phase.slot());
@@ -257,7 +257,7 @@ pub fn skin(scene: &Scene) -> Outcome {
 pub fn normals(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let count = scene.avatar.skin.len();
-    let got: Vec<shared::SkinVertex> = scene.items(Phase::Drawn, "skin_vertices", INSTANCE, count);
+    let got: Vec<shared::SkinVertex> = scene.items(Phase::Posed, "skin_vertices", INSTANCE, count);
     let positions: Vec<DVec3> = got.iter().map(|v| vec(v.position)).collect();
     let around = vertex_triangles(count, &scene.avatar.triangles);
     for i in 0..count {

@@ -35,7 +35,7 @@ pub enum Phase {
     /// After energy_differences.
     Compared,
     /// After pose_skin.
-    Drawn,
+    Posed,
 }
 
 const LOOKED_AT: &[(Phase, &[&str])] = &[
@@ -77,7 +77,7 @@ const LOOKED_AT: &[(Phase, &[&str])] = &[
         ],
     ),
     (
-        Phase::Drawn,
+        Phase::Posed,
         &[
             "pose_features",
             "frames",
@@ -180,7 +180,7 @@ impl Scene {
                 .await?;
             scene.look(&potential, Phase::Compared).await?;
             potential.pose_skin(&state).await?;
-            scene.look(&potential, Phase::Drawn).await
+            scene.look(&potential, Phase::Posed).await
         })?;
         let origin = current[INSTANCE].frames[0].position;
         scene.colliders = colliders[INSTANCE]

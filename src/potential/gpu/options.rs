@@ -1,0 +1,37 @@
+//! What a host chooses.
+
+use super::sources::Sources;
+use crate::gpu::Waiting;
+
+/// What a [`GpuPotential`](super::GpuPotential) makes room for.
+#[derive(Clone, Debug)]
+pub struct GpuOptions {
+    /// Colliders an instance may have.
+    pub colliders: usize,
+    /// Different meshes that colliders may be of, in all instances; 432 KiB each.
+    pub meshes: usize,
+    /// Active contacts an instance may have; more are an error.
+    pub contacts: usize,
+    /// Trials of a line search that go in one submission; more take several.
+    pub trials: usize,
+    /// Bytes that a scratch buffer may have; states that do not fit go through it in turns.
+    pub scratch_bytes: u64,
+    /// Who drives the device while a readback is awaited.
+    pub waiting: Waiting,
+    /// The kernels' texts; `None` takes the library's own.
+    pub sources: Option<Sources>,
+}
+
+impl Default for GpuOptions {
+    fn default() -> Self {
+        Self {
+            colliders: 8,
+            meshes: 1,
+            contacts: 2048,
+            trials: 8,
+            scratch_bytes: 128 << 20,
+            waiting: Waiting::default(),
+            sources: None,
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! How many of what there are, and how many there is room for.
+
+use super::dispatch::{CHUNK_STRIDE, workgroups};
+use super::options::GpuOptions;
+use super::shared::{Constants, Contact};
+use super::tables::Tables;
+use crate::model::Avatar;
+use crate::{GpuError, Result};
+
+/// Rows that `contacts` active contacts may have: one along the normal each, and two of friction.
+fn row_room(contacts: usize) -> usize {
+    3 * contacts
+}
+
+/// The numbers that buffers and dispatches are sized by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    pub instances: usize,
+    /// States that one submission takes besides the starts.
+    pub states: usize,
+    /// States that one dispatch takes where scratch memory is needed.
+    pub chunk_size: usize,
+    /// Places for a state's numbers: first every instance's start, then the states.
+    pub slots: usize,
+    /// Cubature points.
+    pub points: usize,
+    /// Vertices of the skin.
+    pub vertices: usize,
+    pub bones: usize,
+    pub handles: usize,
+    /// Pose features, the most of any set of points.
+    pub features: usize,
+    /// 3-vectors of q.
+    pub blocks: usize,
+    /// Stored blocks of the Hessian.
+    pub pattern_blocks: usize,
+    /// Σ of the blocks of every cubature point.
+    pub local_blocks: usize,
+    /// Σ of the pairs of blocks of every cubature point.
+    pub local_pairs: usize,
+    /// Room for colliders, an instance.
+    pub colliders: usize,
+    /// Room for active contacts, a state.
+    pub contacts: usize,
+    /// Room for the rows of the contacts, a state.
+    pub rows: usize,
+    /// Most blocks that a contact moves: a vertex's own and a body's.
+    pub contact_blocks: usize,
+    /// Sums of energies, a state: one a workgroup.
+    pub partial_energies: usize,
+    /// Numbers of gradient and Hessian, a state.
+    pub result: usize,
+}
+
+impl Sizes {
+    /// # Errors
+    /// [`GpuError::Limit`] where the device dispatches no kernel so large.
+    pub fn new(
+        device: &wgpu::Device,
+        avatar: &Avatar,
+        tables: &Tables,
+        instances: usize,
+        options: &GpuOptions,
+    ) -> Result<Self> {
+        let (cubature, skin) = (&tables.cubature, &tables.skin);
+        let (points, vertices) = (cubature.points.len(), skin.points.len());
+        let space = avatar.space();
+        let rows = row_room(options.contacts);
+        let contact_blocks = skin.blocks.longest() + 2;
+        // The largest scratch buffers of one state decide how many go at once.
+        let scratch = [
+            48 * cubature.pairs,
+            4 * space.blocks() * (rows + 1),
+            16 * rows * contact_blocks,
+        ];
+        let scratch = scratch.into_iter().max().unwrap_or(1).max(1) as u64;
+        let limits = device.limits();
+        let room = options
+            .scratch_bytes
+            .min(limits.max_storage_buffer_binding_size)
+            .min(limits.max_buffer_size);
+        let states = instances.max(2 * options.trials.max(1));
+        let sizes = Self {
+            instances,
+            states,
+            chunk_size: instances.min((room / scratch) as usize).max(1),
+            slots: instances + states,
+            points,
+            vertices,
+            bones: space.frames,
+            handles: space.handles,
+            features: (avatar.cubature.pose_blend.features).max(avatar.skin.pose_blend.features),
+            blocks: space.blocks(),
+            pattern_blocks: tables.pattern.len(),
+            local_blocks: cubature.blocks.entries().len(),
+            local_pairs: cubature.pairs,
+            colliders: options.colliders,
+            contacts: options.contacts,
+            rows,
+            contact_blocks,
+            partial_energies: (workgroups(points) + workgroups(vertices)) as usize,
+            result: space.dofs() + 9 * tables.pattern.len(),
+        };
+        check_dispatch(device, "cubature points", points)?;
+        let hessian_groups = workgroups(sizes.pattern_blocks) as usize;
+        check_dispatch(device, "workgroups of the Hessian", hessian_groups)?;
+        check_dispatch(device, "states in a submission", states)?;
+        Ok(sizes)
+    }
+
+    /// What kernels over the cubature points know.
+    pub fn constants(&self, avatar: &Avatar) -> Constants {
+        Constants {
+            points: self.points as u32,
+            bones: self.bones as u32,
+            handles: self.handles as u32,
+            features: avatar.cubature.pose_blend.features as u32,
+            blocks: self.blocks as u32,
+            pattern_blocks: self.pattern_blocks as u32,
+            local_blocks: self.local_blocks as u32,
+            local_pairs: self.local_pairs as u32,
+            colliders: self.colliders as u32,
+            contacts: self.contacts as u32,
+            contact_blocks: self.contact_blocks as u32,
+            point_groups: workgroups(self.points),
+            vertex_groups: workgroups(self.vertices),
+            density: avatar.density as f32,
+            ..Constants::default()
+        }
+    }
+
+    /// What kernels over the skin know.
+    pub fn skin_constants(&self, avatar: &Avatar) -> Constants {
+        Constants {
+            points: self.vertices as u32,
+            features: avatar.skin.pose_blend.features as u32,
+            ..self.constants(avatar)
+        }
+    }
+
+    /// Bytes of the contacts of one state: a header with the number of rows, then the rows.
+    pub fn contact_bytes(&self) -> usize {
+        (1 + self.rows) * size_of::<Contact>()
+    }
+
+    /// The first state of every chunk, padded to [`CHUNK_STRIDE`].
+    pub fn chunks(&self) -> Vec<[u32; CHUNK_STRIDE as usize / 4]> {
+        let first = (0..self.states).step_by(self.chunk_size);
+        let padded = first.map(|first| {
+            let mut words = [0; CHUNK_STRIDE as usize / 4];
+            words[0] = first as u32;
+            words
+        });
+        padded.collect()
+    }
+}
+
+fn check_dispatch(device: &wgpu::Device, what: &str, needed: usize) -> Result<()> {
+    let limit = u64::from(device.limits().max_compute_workgroups_per_dimension);
+    if needed as u64 > limit {
+        return Err(GpuError::Limit {
+            what: what.to_owned(),
+            needed: needed as u64,
+            limit,
+            cure: "use a smaller avatar or evaluate on the CPU",
+        }
+        .into());
+    }
+    Ok(())
+}
