@@ -71,7 +71,7 @@ impl<P: Potential> Simulation<P> {
                 skeleton: bones.joint + bones.bending + bones.limit + bones.tracking,
             }
         };
-        let lanes = resting.iter().zip(&states).zip(&evaluations);
-        Ok(lanes.map(balance).collect())
+        let pairs = resting.iter().zip(&states).zip(&evaluations);
+        Ok(pairs.map(balance).collect())
     }
 }

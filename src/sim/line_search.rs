@@ -48,7 +48,7 @@ impl Newton {
             self.accept(alphas);
         }
         for &i in &self.search.pending {
-            self.lanes[i].report.stop = Stop::LineSearchStalled;
+            self.minimisations[i].report.stop = Stop::LineSearchStalled;
             self.running[i] = false;
         }
         Ok(())
@@ -76,7 +76,7 @@ impl Newton {
         {
             for (state, alpha) in states.iter_mut().zip(alphas) {
                 state.clone_from(&self.states[i]);
-                state.move_by(&self.lanes[i].step, *alpha);
+                state.move_by(&self.minimisations[i].step, *alpha);
                 trials.push(Trial {
                     instance: i,
                     base: &self.states[i],
@@ -88,7 +88,7 @@ impl Newton {
             .energy_differences(&trials, &mut search.differences)
             .await?;
         for (trial, difference) in trials.iter().zip(&mut search.differences) {
-            let skeleton = &self.lanes[trial.instance].skeleton;
+            let skeleton = &self.minimisations[trial.instance].skeleton;
             *difference += skeleton
                 .difference(&trial.base.frames, &trial.state.frames)
                 .total();
@@ -104,7 +104,8 @@ impl Newton {
         let mut k = 0;
         search.pending.retain(|&i| {
             let found = (0..alphas.len()).find(|t| {
-                let demanded = SUFFICIENT_DECREASE * alphas[*t] * self.lanes[i].report.decrement;
+                let demanded =
+                    SUFFICIENT_DECREASE * alphas[*t] * self.minimisations[i].report.decrement;
                 // False for NaN: a trial that overflows is a bad one.
                 search.differences[k * alphas.len() + t] <= -demanded
             });

@@ -19,8 +19,8 @@ const TRUST_RADIUS: f64 = 1e-3;
 /// Lever at which a rotation counts as a length, m.
 const ROTATION_LEVER: f64 = 0.1;
 
-/// One instance's part of a minimisation.
-pub(super) struct Lane {
+/// One instance's minimisation of E in a step: its problem, and how far it has got.
+pub(super) struct Minimisation {
     /// The skeleton's terms of this step.
     pub skeleton: SkeletonPotential,
     /// qⁿ.
@@ -42,7 +42,7 @@ pub(super) struct Lane {
 #[derive(Default)]
 pub(super) struct Newton {
     /// One for each instance.
-    pub lanes: Vec<Lane>,
+    pub minimisations: Vec<Minimisation>,
     /// The iterates: the prediction before, the result after.
     pub states: Vec<State>,
     /// Which instances take part.
@@ -60,10 +60,10 @@ pub(super) struct Newton {
 
 impl Newton {
     /// Room for `count` instances like `rest`, none of them active.
-    pub fn new(lanes: Vec<Lane>, rest: &State) -> Self {
-        let count = lanes.len();
+    pub fn new(minimisations: Vec<Minimisation>, rest: &State) -> Self {
+        let count = minimisations.len();
         Self {
-            lanes,
+            minimisations,
             states: vec![rest.clone(); count],
             active: vec![false; count],
             running: vec![false; count],
@@ -112,7 +112,7 @@ impl Newton {
         timings: &mut Timings,
     ) -> Result<()> {
         self.evaluate(potential, timings).await?;
-        for i in 0..self.lanes.len() {
+        for i in 0..self.minimisations.len() {
             let energy = self.total_energy(i);
             // A prediction that overflows is a rise as well.
             let quiet = energy <= ENERGY_RESOLUTION;
@@ -123,21 +123,22 @@ impl Newton {
         }
         self.exchange_starts();
         std::mem::swap(&mut self.running, &mut self.rising);
-        let lanes = self.lanes.iter().zip(&self.others);
+        let minimisations = self.minimisations.iter().zip(&self.others);
         self.predicted.clear();
-        self.predicted.extend(
-            lanes.map(|(lane, e)| e.energies.total() + lane.report.skeleton_energies.total()),
-        );
+        self.predicted
+            .extend(minimisations.map(|(minimisation, e)| {
+                e.energies.total() + minimisation.report.skeleton_energies.total()
+            }));
         self.evaluate(potential, timings).await?;
         std::mem::swap(&mut self.running, &mut self.rising);
-        for i in 0..self.lanes.len() {
+        for i in 0..self.minimisations.len() {
             if self.rising[i] && self.predicted[i] <= self.total_energy(i) {
                 // The prediction was the better start after all (pins carry the bones away from qⁿ).
                 std::mem::swap(&mut self.states[i], &mut self.other_states[i]);
                 std::mem::swap(&mut self.evaluations[i], &mut self.others[i]);
-                self.lanes[i].report.skeleton_energies = self.skeleton_energies(i);
+                self.minimisations[i].report.skeleton_energies = self.skeleton_energies(i);
             } else if self.rising[i] {
-                self.lanes[i].report.started_at_current = true;
+                self.minimisations[i].report.started_at_current = true;
             }
         }
         Ok(())
@@ -145,9 +146,9 @@ impl Newton {
 
     /// Puts the predictions of rising instances aside, with their evaluations, and qⁿ in their place.
     fn exchange_starts(&mut self) {
-        for i in 0..self.lanes.len() {
+        for i in 0..self.minimisations.len() {
             if self.rising[i] {
-                self.other_states[i].clone_from(&self.lanes[i].fallback);
+                self.other_states[i].clone_from(&self.minimisations[i].fallback);
                 std::mem::swap(&mut self.states[i], &mut self.other_states[i]);
                 std::mem::swap(&mut self.evaluations[i], &mut self.others[i]);
             }
@@ -190,18 +191,18 @@ impl Newton {
             .await?;
         timings.evaluation += watch.ms();
         let watch = Stopwatch::start();
-        for i in 0..self.lanes.len() {
+        for i in 0..self.minimisations.len() {
             if !self.running[i] {
                 continue;
             }
             let frames = &self.states[i].frames;
             let evaluation = &mut self.evaluations[i];
-            let skeleton = &self.lanes[i].skeleton;
+            let skeleton = &self.minimisations[i].skeleton;
             skeleton.add_derivatives(frames, &mut evaluation.gradient, &mut evaluation.hessian);
             if potential.hessian_form() == HessianForm::Exact {
                 skeleton.add_geometric(frames, &mut evaluation.hessian);
             }
-            self.lanes[i].report.skeleton_energies = self.skeleton_energies(i);
+            self.minimisations[i].report.skeleton_energies = self.skeleton_energies(i);
         }
         timings.skeleton += watch.ms();
         Ok(())
@@ -209,14 +210,16 @@ impl Newton {
 
     /// E(q) − E(qⁿ) of the skeleton at an instance's iterate.
     fn skeleton_energies(&self, i: usize) -> SkeletonEnergies {
-        let lane = &self.lanes[i];
-        lane.skeleton
-            .difference(&lane.current.frames, &self.states[i].frames)
+        let minimisation = &self.minimisations[i];
+        minimisation
+            .skeleton
+            .difference(&minimisation.current.frames, &self.states[i].frames)
     }
 
     /// E(q) − E(qⁿ) at the last evaluated iterate.
     fn total_energy(&self, i: usize) -> f64 {
-        self.evaluations[i].energies.total() + self.lanes[i].report.skeleton_energies.total()
+        self.evaluations[i].energies.total()
+            + self.minimisations[i].report.skeleton_energies.total()
     }
 
     /// Solves for every running instance's Newton step and reports what its evaluation said.
@@ -227,39 +230,45 @@ impl Newton {
         timings: &mut Timings,
     ) -> Result<()> {
         let watch = Stopwatch::start();
-        for i in 0..self.lanes.len() {
+        for i in 0..self.minimisations.len() {
             if !self.running[i] {
                 continue;
             }
-            let (lane, evaluation) = (&mut self.lanes[i], &mut self.evaluations[i]);
+            let (minimisation, evaluation) = (&mut self.minimisations[i], &mut self.evaluations[i]);
             let gradient = &evaluation.gradient;
-            let energy = evaluation.energies.total() + lane.report.skeleton_energies.total();
+            let energy =
+                evaluation.energies.total() + minimisation.report.skeleton_energies.total();
             if !energy.is_finite() {
                 return Err(Error::NotFinite { quantity: "energy" });
             }
             if !gradient.iter().all(|g| g.is_finite()) {
                 return Err(Error::NotFinite { quantity: "force" });
             }
-            let (solved, dropped) = solve(solver, evaluation, &lane.fixed, &mut lane.step)?;
+            let (solved, dropped) = solve(
+                solver,
+                evaluation,
+                &minimisation.fixed,
+                &mut minimisation.step,
+            )?;
             let gradient = &evaluation.gradient;
-            if !lane.step.iter().all(|d| d.is_finite()) {
+            if !minimisation.step.iter().all(|d| d.is_finite()) {
                 return Err(Error::NotFinite {
                     quantity: "Newton step",
                 });
             }
-            if lane.fixed.contains(&true) {
+            if minimisation.fixed.contains(&true) {
                 multiply_add(
                     potential.pattern(),
                     &evaluation.hessian,
-                    &lane.step,
+                    &minimisation.step,
                     gradient,
-                    &mut lane.reaction,
+                    &mut minimisation.reaction,
                 );
             }
-            let report = &mut lane.report;
+            let report = &mut minimisation.report;
             report.iterations += 1;
-            report.decrement = -dot(gradient, &lane.step);
-            report.step_length = step_length(&lane.step, lane.current.frames.len());
+            report.decrement = -dot(gradient, &minimisation.step);
+            report.step_length = step_length(&minimisation.step, minimisation.current.frames.len());
             report.diagonal_shift = report.diagonal_shift.max(solved.diagonal_shift);
             report.geometric_dropped += usize::from(dropped);
             report.energies = evaluation.energies;
@@ -273,10 +282,10 @@ impl Newton {
     /// Moves every running instance whose step is no longer than `length` by its whole step, and ends its
     /// minimisation.
     fn take_short_steps(&mut self, length: f64, stop: Stop) {
-        for i in 0..self.lanes.len() {
-            if self.running[i] && self.lanes[i].report.step_length <= length {
-                self.states[i].move_by(&self.lanes[i].step, 1.0);
-                self.lanes[i].report.stop = stop;
+        for i in 0..self.minimisations.len() {
+            if self.running[i] && self.minimisations[i].report.step_length <= length {
+                self.states[i].move_by(&self.minimisations[i].step, 1.0);
+                self.minimisations[i].report.stop = stop;
                 self.running[i] = false;
             }
         }
@@ -284,9 +293,9 @@ impl Newton {
 
     /// Ends the minimisation of what still runs.
     fn stop_running(&mut self, stop: Stop) {
-        for (running, lane) in self.running.iter_mut().zip(&mut self.lanes) {
+        for (running, minimisation) in self.running.iter_mut().zip(&mut self.minimisations) {
             if std::mem::take(running) {
-                lane.report.stop = stop;
+                minimisation.report.stop = stop;
             }
         }
     }

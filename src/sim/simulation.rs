@@ -3,7 +3,7 @@
 use super::dense_cholesky::DenseCholesky;
 use super::instance::Instance;
 use super::linear_solver::LinearSolver;
-use super::newton::{Lane, Newton};
+use super::newton::{Minimisation, Newton};
 use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
@@ -60,9 +60,9 @@ impl<P: Potential> Simulation<P> {
             .map(|_| Instance::new(avatar, &settings))
             .collect();
         let dofs = avatar.space().dofs();
-        let lanes = instances
+        let minimisations = instances
             .iter()
-            .map(|instance| Lane {
+            .map(|instance| Minimisation {
                 skeleton: skeleton_terms(&skeleton, &settings, instance),
                 current: instance.state.clone(),
                 fallback: instance.state.clone(),
@@ -73,7 +73,7 @@ impl<P: Potential> Simulation<P> {
             })
             .collect();
         Ok(Self {
-            newton: Newton::new(lanes, &avatar.rest_state()),
+            newton: Newton::new(minimisations, &avatar.rest_state()),
             potential,
             solver,
             settings,
@@ -180,8 +180,12 @@ impl<P: Potential> Simulation<P> {
         report.timings = timings;
         let count = self.instances.len();
         report.instances.resize_with(count, InstanceReport::default);
-        for (out, lane) in report.instances.iter_mut().zip(&mut self.newton.lanes) {
-            std::mem::swap(out, &mut lane.report);
+        for (out, minimisation) in report
+            .instances
+            .iter_mut()
+            .zip(&mut self.newton.minimisations)
+        {
+            std::mem::swap(out, &mut minimisation.report);
         }
         Ok(())
     }
@@ -212,22 +216,22 @@ impl<P: Potential> Simulation<P> {
         let watch = Stopwatch::start();
         for (i, instance) in self.instances.iter().enumerate() {
             self.newton.active[i] = instance.active;
-            let lane = &mut self.newton.lanes[i];
-            lane.report.reset();
+            let minimisation = &mut self.newton.minimisations[i];
+            minimisation.report.reset();
             if !instance.active {
                 self.newton.states[i].clone_from(&instance.state);
                 continue;
             }
-            instance.validate(&lane.current)?;
+            instance.validate(&minimisation.current)?;
             let start = skeleton_start(&self.settings, instance);
-            lane.skeleton.restart(&self.skeleton, &start);
-            lane.current.clone_from(&instance.state);
+            minimisation.skeleton.restart(&self.skeleton, &start);
+            minimisation.current.clone_from(&instance.state);
             let skeleton = self.skeleton.skeleton();
-            fall_back(skeleton, instance, &mut lane.fallback);
+            fall_back(skeleton, instance, &mut minimisation.fallback);
             predict(skeleton, instance, &mut self.newton.states[i]);
-            lane.fixed.fill(false);
+            minimisation.fixed.fill(false);
             for pin in &instance.pins {
-                lane.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
+                minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
             }
         }
         timings.skeleton += watch.ms();
@@ -254,10 +258,10 @@ impl<P: Potential> Simulation<P> {
             std::mem::swap(&mut instance.previous, &mut instance.state);
             instance.state.clone_from(&newton.states[i]);
             let frames = &instance.state.frames;
-            let lane = &mut newton.lanes[i];
-            lane.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
-            lane.report.weight = self.skeleton.total_mass() * instance.gravity;
-            let tracking = lane.skeleton.tracking().iter().map(|term| {
+            let minimisation = &mut newton.minimisations[i];
+            minimisation.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
+            minimisation.report.weight = self.skeleton.total_mass() * instance.gravity;
+            let tracking = minimisation.skeleton.tracking().iter().map(|term| {
                 let (force, torque) = term.load(frames);
                 let bone = term.bone();
                 Load {
@@ -266,13 +270,13 @@ impl<P: Potential> Simulation<P> {
                     torque,
                 }
             });
-            let block = |b: usize| DVec3::from_slice(&lane.reaction[3 * b..3 * b + 3]);
+            let block = |b: usize| DVec3::from_slice(&minimisation.reaction[3 * b..3 * b + 3]);
             let pins = instance.pins.iter().map(|pin| Load {
                 bone: pin.bone,
                 force: block(2 * pin.bone),
                 torque: block(2 * pin.bone + 1),
             });
-            lane.report.loads.extend(tracking.chain(pins));
+            minimisation.report.loads.extend(tracking.chain(pins));
             for target in &mut instance.targets {
                 target.previous = target.frame;
             }
