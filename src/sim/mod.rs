@@ -3,8 +3,10 @@
 mod dense_cholesky;
 mod energy;
 mod instance;
+mod iterates;
 mod line_search;
 pub(crate) mod linear_solver;
+mod minimisation;
 mod newton;
 mod prediction;
 mod report;

@@ -3,7 +3,8 @@
 use super::dense_cholesky::DenseCholesky;
 use super::instance::Instance;
 use super::linear_solver::LinearSolver;
-use super::newton::{Minimisation, Newton};
+use super::minimisation::Minimisation;
+use super::newton::Newton;
 use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
@@ -59,17 +60,11 @@ impl<P: Potential> Simulation<P> {
         let instances: Vec<_> = (0..potential.instances())
             .map(|_| Instance::new(avatar, &settings))
             .collect();
-        let dofs = avatar.space().dofs();
         let minimisations = instances
             .iter()
-            .map(|instance| Minimisation {
-                skeleton: skeleton_terms(&skeleton, &settings, instance),
-                current: instance.state.clone(),
-                fallback: instance.state.clone(),
-                fixed: vec![false; dofs],
-                step: vec![0.0; dofs],
-                reaction: vec![0.0; dofs],
-                report: InstanceReport::default(),
+            .map(|instance| {
+                let skeleton = skeleton_terms(&skeleton, &settings, instance);
+                Minimisation::new(skeleton, instance.state.clone())
             })
             .collect();
         Ok(Self {
@@ -163,13 +158,15 @@ impl<P: Potential> Simulation<P> {
                 &mut timings,
             )
             .await?;
-        for (state, active) in newton.states.iter().zip(&newton.active) {
+        for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
             if *active && !state.is_finite() {
                 return Err(Error::NotFinite { quantity: "state" });
             }
         }
         let skin = Stopwatch::start();
-        self.potential.pose_skin(&self.newton.states).await?;
+        self.potential
+            .pose_skin(&self.newton.iterates.states)
+            .await?;
         timings.skin = skin.ms();
         self.commit();
         let evaluation = self.potential.timings();
@@ -219,7 +216,7 @@ impl<P: Potential> Simulation<P> {
             let minimisation = &mut self.newton.minimisations[i];
             minimisation.report.reset();
             if !instance.active {
-                self.newton.states[i].clone_from(&instance.state);
+                self.newton.iterates.states[i].clone_from(&instance.state);
                 continue;
             }
             instance.validate(&minimisation.current)?;
@@ -227,8 +224,8 @@ impl<P: Potential> Simulation<P> {
             minimisation.skeleton.restart(&self.skeleton, &start);
             minimisation.current.clone_from(&instance.state);
             let skeleton = self.skeleton.skeleton();
-            fall_back(skeleton, instance, &mut minimisation.fallback);
-            predict(skeleton, instance, &mut self.newton.states[i]);
+            fall_back(skeleton, instance, &mut self.newton.fallbacks.states[i]);
+            predict(skeleton, instance, &mut self.newton.iterates.states[i]);
             minimisation.fixed.fill(false);
             for pin in &instance.pins {
                 minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
@@ -256,7 +253,7 @@ impl<P: Potential> Simulation<P> {
                 continue;
             }
             std::mem::swap(&mut instance.previous, &mut instance.state);
-            instance.state.clone_from(&newton.states[i]);
+            instance.state.clone_from(&newton.iterates.states[i]);
             let frames = &instance.state.frames;
             let minimisation = &mut newton.minimisations[i];
             minimisation.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
