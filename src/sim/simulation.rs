@@ -8,10 +8,11 @@ use super::newton::Newton;
 use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
+use super::step_start::{skeleton_start, tissue_start};
 use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
 use crate::potential::{Potential, StepStart};
-use crate::skeleton::{SkeletonModel, SkeletonPotential, SkeletonStart, joint_gap};
+use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
 use crate::{Error, Result};
 use glam::DVec3;
 
@@ -63,7 +64,8 @@ impl<P: Potential> Simulation<P> {
         let minimisations = instances
             .iter()
             .map(|instance| {
-                let skeleton = skeleton_terms(&skeleton, &settings, instance);
+                let start = skeleton_start(&settings, instance);
+                let skeleton = SkeletonPotential::new(&skeleton, &start);
                 Minimisation::new(skeleton, instance.state.clone())
             })
             .collect();
@@ -115,7 +117,8 @@ impl<P: Potential> Simulation<P> {
 
     /// The bones' own terms of the next step of an instance, with targets where they are now.
     pub fn skeleton_potential(&self, instance: usize) -> SkeletonPotential {
-        skeleton_terms(&self.skeleton, &self.settings, &self.instances[instance])
+        let start = skeleton_start(&self.settings, &self.instances[instance]);
+        SkeletonPotential::new(&self.skeleton, &start)
     }
 
     /// The instances.
@@ -281,50 +284,5 @@ impl<P: Potential> Simulation<P> {
                 collider.previous = collider.frame;
             }
         }
-    }
-}
-
-/// The skeleton's terms of an instance's next step.
-pub(super) fn skeleton_terms(
-    model: &SkeletonModel,
-    settings: &Settings,
-    instance: &Instance,
-) -> SkeletonPotential {
-    SkeletonPotential::new(model, &skeleton_start(settings, instance))
-}
-
-/// What the skeleton's next step of an instance starts from.
-fn skeleton_start<'a>(settings: &Settings, instance: &'a Instance) -> SkeletonStart<'a> {
-    SkeletonStart {
-        time_step: settings.time_step,
-        previous: &instance.previous.frames,
-        current: &instance.state.frames,
-        joint_stiffness: settings.joint_stiffness,
-        bending: &instance.bending,
-        limits: &instance.limits,
-        targets: &instance.targets,
-        gravity: instance.gravity,
-    }
-}
-
-/// What the tissue's next step of an instance starts from.
-pub(super) fn tissue_start<'a>(
-    settings: &Settings,
-    captured_under_gravity: bool,
-    instance: &'a Instance,
-) -> StepStart<'a> {
-    StepStart {
-        time_step: settings.time_step,
-        previous: &instance.previous,
-        current: &instance.state,
-        colliders: &instance.colliders,
-        slip_speed: settings.slip_speed,
-        geometric_contact: settings.geometric_contact,
-        // A captured shape already sags: the tissue's weight is then among the skeleton's terms.
-        tissue_gravity: if captured_under_gravity {
-            DVec3::ZERO
-        } else {
-            instance.gravity
-        },
     }
 }
