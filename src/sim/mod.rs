@@ -14,6 +14,7 @@
 //! | `minimisation` | one instance's Newton step from its evaluation |
 //! | `iterates` | all instances' iterates, evaluated together |
 //! | `line_search` | how far they move along their steps |
+//! | `iteration` | what an observer sees of an iteration |
 //! | `newton` | the iterations |
 //! | `simulation` | a step from its start to the new state |
 //! | `energy_balance` | mechanical energy, measured between steps |
@@ -22,6 +23,7 @@ mod dense_cholesky;
 mod energy_balance;
 mod instance;
 mod iterates;
+mod iteration;
 mod line_search;
 pub(crate) mod linear_solver;
 mod minimisation;
@@ -35,6 +37,7 @@ mod step_start;
 pub use dense_cholesky::DenseCholesky;
 pub use energy_balance::EnergyBalance;
 pub use instance::{Instance, Pin};
+pub use iteration::{Iteration, Observer};
 pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};
 pub use settings::{LARGEST_JOINT_STIFFNESS, Settings, SolverMode};

@@ -3,6 +3,7 @@
 //! Each iteration solves H δ = −g and moves the iterate, q ← q + αδ.
 
 use super::iterates::Iterates;
+use super::iteration::{Iteration, Observer};
 use super::line_search::LineSearch;
 use super::linear_solver::LinearSolver;
 use super::minimisation::Minimisation;
@@ -16,9 +17,9 @@ use crate::potential::Potential;
 /// What f32 resolves of E, J: a smaller rise is noise.
 const ENERGY_RESOLUTION: f64 = 1e-8;
 
-/// Trust radius of [`SolverMode::OneIteration`], m: a Newton step no longer than this is taken whole, unseen what it
-/// does to E. A longer one, though the minimisation starts at the prediction, means that the quadratic model lacks
-/// something (a contact that is being made), and is searched along.
+/// Trust radius of [`SolverMode::OneIteration`], m: a Newton step no longer than this is taken whole, without a look at
+/// E where it ends. A longer one, though it starts at the prediction, means that the quadratic model lacks something (a
+/// contact that is being made), and is searched along.
 const TRUST_RADIUS: f64 = 1e-3;
 
 /// Minimises E of all active instances in lockstep. Everything is kept from step to step, so that a
@@ -62,25 +63,36 @@ impl Newton {
         solver: &mut dyn LinearSolver,
         mode: SolverMode,
         timings: &mut Timings,
+        observer: &mut Observer<'_>,
     ) -> Result<()> {
-        self.running.clone_from(&self.active);
-        self.start(potential, timings).await?;
-        match mode {
-            SolverMode::OneIteration => {
-                self.solve(potential, solver, timings)?;
-                self.take_short_steps(TRUST_RADIUS, Stop::OneIteration);
-                self.search_line(potential, timings).await?;
-                self.stop_running(Stop::OneIteration);
-                Ok(())
-            }
+        let (short, when_short, max_iterations, at_limit) = match mode {
+            SolverMode::OneIteration => (TRUST_RADIUS, Stop::OneIteration, 1, Stop::OneIteration),
             SolverMode::Converged {
                 tolerance,
                 max_iterations,
-            } => {
-                self.iterate(potential, solver, tolerance, max_iterations, timings)
-                    .await
+            } => (
+                tolerance,
+                Stop::Converged,
+                max_iterations,
+                Stop::IterationLimit,
+            ),
+        };
+        self.running.clone_from(&self.active);
+        self.start(potential, timings).await?;
+        for iteration in 1..=max_iterations {
+            if iteration > 1 {
+                self.evaluate(potential, timings).await?;
+            }
+            self.solve(potential, solver, timings)?;
+            self.show(observer);
+            self.take_short_steps(short, when_short);
+            self.search_line(potential, timings).await?;
+            if !self.running.contains(&true) {
+                return Ok(());
             }
         }
+        self.stop_running(at_limit);
+        Ok(())
     }
 
     /// Evaluates the predictions, then the fall-backs of those that raise the energy, and keeps the lower.
@@ -109,30 +121,6 @@ impl Newton {
                 self.minimisations[i].report.started_at_current = true;
             }
         }
-        Ok(())
-    }
-
-    /// Newton iterations with a line search.
-    async fn iterate<P: Potential>(
-        &mut self,
-        potential: &mut P,
-        solver: &mut dyn LinearSolver,
-        tolerance: f64,
-        max_iterations: usize,
-        timings: &mut Timings,
-    ) -> Result<()> {
-        for iteration in 1..=max_iterations {
-            if iteration > 1 {
-                self.evaluate(potential, timings).await?;
-            }
-            self.solve(potential, solver, timings)?;
-            self.take_short_steps(tolerance, Stop::Converged);
-            self.search_line(potential, timings).await?;
-            if !self.running.contains(&true) {
-                return Ok(());
-            }
-        }
-        self.stop_running(Stop::IterationLimit);
         Ok(())
     }
 
@@ -165,6 +153,22 @@ impl Newton {
         }
         timings.solve += watch.ms();
         Ok(())
+    }
+
+    /// Shows the iteration of every running instance.
+    fn show(&self, observer: &mut Observer<'_>) {
+        for (i, minimisation) in self.minimisations.iter().enumerate() {
+            if self.running[i] {
+                observer(&Iteration {
+                    instance: i,
+                    state: &self.iterates.states[i],
+                    gradient: &self.iterates.evaluations[i].gradient,
+                    fixed: &minimisation.fixed,
+                    step: &minimisation.step,
+                    report: &minimisation.report,
+                });
+            }
+        }
     }
 
     /// Moves every running instance whose step is no longer than `length` by its whole step, and ends its

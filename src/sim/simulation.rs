@@ -2,6 +2,7 @@
 
 use super::dense_cholesky::DenseCholesky;
 use super::instance::Instance;
+use super::iteration::Observer;
 use super::linear_solver::LinearSolver;
 use super::minimisation::Minimisation;
 use super::newton::Newton;
@@ -149,6 +150,19 @@ impl<P: Potential> Simulation<P> {
     /// # Errors
     /// As [`Simulation::step`]; the report is then the last one's.
     pub async fn step_into(&mut self, report: &mut StepReport) -> Result<()> {
+        self.step_observed(report, &mut |_| ()).await
+    }
+
+    /// [`Simulation::step_into`] with an observer of Newton's iterations: for plots of how they converge, and for
+    /// comparing solvers and Hessians. It sees what the step works with anyway, so that none of it costs anything.
+    ///
+    /// # Errors
+    /// As [`Simulation::step_into`].
+    pub async fn step_observed(
+        &mut self,
+        report: &mut StepReport,
+        observer: &mut Observer<'_>,
+    ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut timings = Timings::default();
         self.begin_step(&mut timings).await?;
@@ -159,6 +173,7 @@ impl<P: Potential> Simulation<P> {
                 solver,
                 self.settings.solver,
                 &mut timings,
+                observer,
             )
             .await?;
         for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
