@@ -70,8 +70,8 @@ impl Instance {
         }
     }
 
-    /// Sets where a frame is and how it moves, as a rule a body's: with `velocity` (m/s, of its origin) and
-    /// `angular_velocity` (rad/s), of which the next step of `time_step` makes its inertia.
+    /// Sets where a frame is, as a rule a body's, and how it moves: with `velocity` (m/s, of its origin) and
+    /// `angular_velocity` (rad/s), as if it had come there in a step of `time_step`.
     pub fn set_motion(
         &mut self,
         frame: usize,
