@@ -195,11 +195,8 @@ impl<P: Potential> Simulation<P> {
         report.timings = timings;
         let count = self.instances.len();
         report.instances.resize_with(count, InstanceReport::default);
-        for (out, minimisation) in report
-            .instances
-            .iter_mut()
-            .zip(&mut self.newton.minimisations)
-        {
+        let minimisations = &mut self.newton.minimisations;
+        for (out, minimisation) in report.instances.iter_mut().zip(minimisations) {
             std::mem::swap(out, &mut minimisation.report);
         }
         Ok(())
