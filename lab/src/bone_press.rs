@@ -355,7 +355,7 @@ fn step_ms(avatar: &Arc<Avatar>, pressed: &State) -> Result<f64> {
     let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(avatar, potential, Settings::default())?;
     let instance = &mut simulation.instances_mut()[0];
-    instance.place(pressed.clone());
+    instance.set_state(pressed.clone());
     let frame = pressed.frames[0];
     instance.pins.push(Pin { bone: 0, frame });
     let ball = Shape::Sphere { radius: 0.03 };

@@ -201,7 +201,7 @@ fn at_rest(avatar: &Arc<Avatar>, local: &[DMat3]) -> Result<State> {
         let targets = frames.iter().enumerate().map(|(j, f)| Tracking::new(j, *f));
         instance.targets = targets.collect();
         // From rest: what it had of velocity is no part of the answer.
-        instance.place(instance.state.clone());
+        instance.set_state(instance.state.clone());
         simulation.step_blocking()?;
     }
     Ok(simulation.instances()[0].state.clone())

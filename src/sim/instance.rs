@@ -70,22 +70,23 @@ impl Instance {
         }
     }
 
-    /// Throws a frame, a body's as a rule: it stands at `frame` and moves with `velocity` (m/s, of its
-    /// origin) and `spin` (rad/s), having come there in a step of `time_step`.
+    /// Sets where a frame is, as a rule a body's, and how it moves: with `velocity` (m/s, of its origin) and
+    /// `angular_velocity` (rad/s), as if it had come there in a step of `time_step`.
     pub fn set_motion(
         &mut self,
         frame: usize,
         at: Frame,
         velocity: DVec3,
-        spin: DVec3,
+        angular_velocity: DVec3,
         time_step: f64,
     ) {
         self.state.frames[frame] = at;
-        self.previous.frames[frame] = at.moved(-velocity * time_step, -spin * time_step);
+        self.previous.frames[frame] =
+            at.moved(-velocity * time_step, -angular_velocity * time_step);
     }
 
-    /// Puts it into `state`, at rest.
-    pub fn place(&mut self, state: State) {
+    /// Sets the state, at rest: qⁿ⁻¹ = qⁿ.
+    pub fn set_state(&mut self, state: State) {
         self.previous = state.clone();
         self.state = state;
     }
@@ -99,7 +100,7 @@ impl Instance {
                     frames[*p as usize].rotation.transpose() * frames[j].rotation;
             }
         }
-        self.place(State {
+        self.set_state(State {
             frames: frames.to_vec(),
             handles: vec![DVec3::ZERO; self.state.handles.len()],
         });

@@ -1,19 +1,43 @@
 //! The step: state, Newton's method, the reduced linear system.
+//!
+//! The files in the order in which the data flows. Each imports from those above it only:
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `settings` | what stays the same through a simulation |
+//! | `instance` | an avatar's state and what drives it, written by the user between steps |
+//! | `prediction` | where the minimisation starts: the inertial prediction, and qⁿ as its fall-back |
+//! | `step_start` | what the skeleton's and the tissue's energies are told at the start of a step |
+//! | `report` | what a step tells about itself |
+//! | `linear_solver` | H δ = −g: the interface, scaling, products |
+//! | `dense_cholesky` | its solver for the reduced system |
+//! | `minimisation` | one instance's Newton step from its evaluation |
+//! | `iterates` | all instances' iterates, evaluated together |
+//! | `line_search` | how far they move along their steps |
+//! | `iteration` | what an observer sees of an iteration |
+//! | `newton` | the iterations |
+//! | `simulation` | a step from its start to the new state |
+//! | `energy_balance` | mechanical energy, measured between steps |
 
 mod dense_cholesky;
-mod energy;
+mod energy_balance;
 mod instance;
+mod iterates;
+mod iteration;
 mod line_search;
 pub(crate) mod linear_solver;
+mod minimisation;
 mod newton;
 mod prediction;
 mod report;
 mod settings;
 mod simulation;
+mod step_start;
 
 pub use dense_cholesky::DenseCholesky;
-pub use energy::EnergyBalance;
+pub use energy_balance::EnergyBalance;
 pub use instance::{Instance, Pin};
+pub use iteration::{Iteration, Observer};
 pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};
 pub use settings::{LARGEST_JOINT_STIFFNESS, Settings, SolverMode};

@@ -1,335 +1,206 @@
 //! Newton's method on the incremental potential, for a batch of instances.
+//!
+//! Each iteration solves H δ = −g and moves the iterate, q ← q + αδ.
 
-use super::linear_solver::{LinearSolver, SolveReport, multiply_add};
-use super::report::{InstanceReport, Stop, Timings};
+use super::iterates::Iterates;
+use super::iteration::{Iteration, Observer};
+use super::line_search::LineSearch;
+use super::linear_solver::LinearSolver;
+use super::minimisation::Minimisation;
+use super::report::{Stop, Timings};
 use super::settings::SolverMode;
+use crate::Result;
 use crate::math::Stopwatch;
 use crate::model::State;
-use crate::potential::{Evaluation, HessianForm, Potential};
-use crate::skeleton::{SkeletonEnergies, SkeletonPotential};
-use crate::{Error, Result};
+use crate::potential::Potential;
 
 /// What f32 resolves of E, J: a smaller rise is noise.
-pub(super) const ENERGY_RESOLUTION: f64 = 1e-8;
+const ENERGY_RESOLUTION: f64 = 1e-8;
 
-/// The longest step that [`SolverMode::OneIteration`] takes on trust, m: it starts at the prediction, so a longer one
-/// means that the step holds something unforeseen.
+/// Trust radius of [`SolverMode::OneIteration`], m: a Newton step no longer than this is taken whole, without a look at
+/// E where it ends. A longer one, though it starts at the prediction, means that the quadratic model lacks something (a
+/// contact that is being made), and is searched along.
 const TRUST_RADIUS: f64 = 1e-3;
-
-/// Lever at which a rotation counts as a length, m.
-const ROTATION_LEVER: f64 = 0.1;
-
-/// One instance's part of a minimisation.
-pub(super) struct Lane {
-    /// The skeleton's terms of this step.
-    pub skeleton: SkeletonPotential,
-    /// qⁿ.
-    pub current: State,
-    /// Where the minimisation starts if the prediction raises the energy, see [`super::prediction::fall_back`].
-    pub fallback: State,
-    /// Which DoFs are prescribed.
-    pub fixed: Vec<bool>,
-    /// The Newton step δ.
-    pub step: Vec<f64>,
-    /// g + H δ: at fixed DoFs, what holds them.
-    pub reaction: Vec<f64>,
-    /// What happened.
-    pub report: InstanceReport,
-}
 
 /// Minimises E of all active instances in lockstep. Everything is kept from step to step, so that a
 /// step allocates nothing.
 #[derive(Default)]
 pub(super) struct Newton {
     /// One for each instance.
-    pub lanes: Vec<Lane>,
-    /// The iterates: the prediction before, the result after.
-    pub states: Vec<State>,
+    pub minimisations: Vec<Minimisation>,
     /// Which instances take part.
     pub active: Vec<bool>,
-    pub(super) running: Vec<bool>,
-    evaluations: Vec<Evaluation>,
-    /// A second set, for comparing the two possible starts.
-    others: Vec<Evaluation>,
-    other_states: Vec<State>,
+    /// The predictions before, the results after.
+    pub iterates: Iterates,
+    /// Where the minimisations start whose prediction raises the energy, see [`super::prediction::fall_back`].
+    pub fallbacks: Iterates,
+    /// Which minimisations have not ended yet.
+    running: Vec<bool>,
+    /// Which predictions raise the energy.
     rising: Vec<bool>,
-    /// Energies of the predictions of rising instances, J.
-    predicted: Vec<f64>,
-    pub(super) search: super::line_search::LineSearch,
+    line_search: LineSearch,
 }
 
 impl Newton {
-    /// Room for `count` instances like `rest`, none of them active.
-    pub fn new(lanes: Vec<Lane>, rest: &State) -> Self {
-        let count = lanes.len();
+    /// Room for instances like `rest`, none of them active.
+    pub fn new(minimisations: Vec<Minimisation>, rest: &State) -> Self {
+        let count = minimisations.len();
         Self {
-            lanes,
-            states: vec![rest.clone(); count],
+            minimisations,
             active: vec![false; count],
+            iterates: Iterates::new(count, rest),
+            fallbacks: Iterates::new(count, rest),
             running: vec![false; count],
-            evaluations: vec![Evaluation::default(); count],
-            others: vec![Evaluation::default(); count],
-            other_states: vec![rest.clone(); count],
             rising: vec![false; count],
-            predicted: Vec::with_capacity(count),
-            search: Default::default(),
+            line_search: LineSearch::default(),
         }
     }
 
-    /// Minimises from [`Newton::states`] (the predictions) and leaves the results there.
+    /// Minimises from the predictions in [`Newton::iterates`], or the fall-backs, and leaves the results there.
     pub async fn minimise<P: Potential>(
         &mut self,
         potential: &mut P,
         solver: &mut dyn LinearSolver,
         mode: SolverMode,
         timings: &mut Timings,
+        observer: &mut Observer<'_>,
     ) -> Result<()> {
-        self.running.clone_from(&self.active);
-        self.start(potential, timings).await?;
-        match mode {
-            SolverMode::OneIteration => {
-                self.directions(potential, solver, timings)?;
-                self.take_short_steps(TRUST_RADIUS, Stop::OneIteration);
-                self.line_search(potential, timings).await?;
-                self.stop_running(Stop::OneIteration);
-                Ok(())
-            }
+        let (short, when_short, max_iterations, at_limit) = match mode {
+            SolverMode::OneIteration => (TRUST_RADIUS, Stop::OneIteration, 1, Stop::OneIteration),
             SolverMode::Converged {
                 tolerance,
                 max_iterations,
-            } => {
-                self.iterate(potential, solver, tolerance, max_iterations, timings)
-                    .await
+            } => (
+                tolerance,
+                Stop::Converged,
+                max_iterations,
+                Stop::IterationLimit,
+            ),
+        };
+        self.running.clone_from(&self.active);
+        self.start(potential, timings).await?;
+        for iteration in 1..=max_iterations {
+            if iteration > 1 {
+                self.evaluate(potential, timings).await?;
+            }
+            self.solve(potential, solver, timings)?;
+            self.show(observer);
+            self.take_short_steps(short, when_short);
+            self.search_line(potential, timings).await?;
+            if !self.running.contains(&true) {
+                return Ok(());
             }
         }
+        self.stop_running(at_limit);
+        Ok(())
     }
 
-    /// Evaluates the predictions; an instance whose prediction raises the energy starts at qⁿ instead,
-    /// if that is lower.
+    /// Evaluates the predictions, then the fall-backs of those that raise the energy, and keeps the lower.
     async fn start<P: Potential>(
         &mut self,
         potential: &mut P,
         timings: &mut Timings,
     ) -> Result<()> {
         self.evaluate(potential, timings).await?;
-        for i in 0..self.lanes.len() {
-            let energy = self.total_energy(i);
+        for (i, rising) in self.rising.iter_mut().enumerate() {
+            let falling = self.iterates.energy(i) <= ENERGY_RESOLUTION;
             // A prediction that overflows is a rise as well.
-            let quiet = energy <= ENERGY_RESOLUTION;
-            self.rising[i] = self.running[i] && !quiet;
+            *rising = self.running[i] && !falling;
         }
         if !self.rising.contains(&true) {
             return Ok(());
         }
-        self.exchange_starts();
-        std::mem::swap(&mut self.running, &mut self.rising);
-        let lanes = self.lanes.iter().zip(&self.others);
-        self.predicted.clear();
-        self.predicted.extend(
-            lanes.map(|(lane, e)| e.energies.total() + lane.report.skeleton_energies.total()),
-        );
-        self.evaluate(potential, timings).await?;
-        std::mem::swap(&mut self.running, &mut self.rising);
-        for i in 0..self.lanes.len() {
-            if self.rising[i] && self.predicted[i] <= self.total_energy(i) {
-                // The prediction was the better start after all (pins carry the bones away from qⁿ).
-                std::mem::swap(&mut self.states[i], &mut self.other_states[i]);
-                std::mem::swap(&mut self.evaluations[i], &mut self.others[i]);
-                self.lanes[i].report.skeleton_energies = self.skeleton_energies(i);
-            } else if self.rising[i] {
-                self.lanes[i].report.started_at_current = true;
+        self.fallbacks
+            .evaluate(potential, &self.minimisations, &self.rising, timings)
+            .await?;
+        for i in (0..self.rising.len()).filter(|&i| self.rising[i]) {
+            // Pins can carry the bones so far from qⁿ that the prediction is the lower all the same.
+            let lower = self.iterates.energy(i) <= self.fallbacks.energy(i);
+            if !lower {
+                self.iterates.swap(i, &mut self.fallbacks);
+                self.minimisations[i].report.started_at_current = true;
             }
         }
         Ok(())
     }
 
-    /// Puts the predictions of rising instances aside, with their evaluations, and qⁿ in their place.
-    fn exchange_starts(&mut self) {
-        for i in 0..self.lanes.len() {
-            if self.rising[i] {
-                self.other_states[i].clone_from(&self.lanes[i].fallback);
-                std::mem::swap(&mut self.states[i], &mut self.other_states[i]);
-                std::mem::swap(&mut self.evaluations[i], &mut self.others[i]);
-            }
-        }
-    }
-
-    /// Newton iterations with a line search.
-    async fn iterate<P: Potential>(
-        &mut self,
-        potential: &mut P,
-        solver: &mut dyn LinearSolver,
-        tolerance: f64,
-        max_iterations: usize,
-        timings: &mut Timings,
-    ) -> Result<()> {
-        for iteration in 1..=max_iterations {
-            if iteration > 1 {
-                self.evaluate(potential, timings).await?;
-            }
-            self.directions(potential, solver, timings)?;
-            self.take_short_steps(tolerance, Stop::Converged);
-            self.line_search(potential, timings).await?;
-            if !self.running.contains(&true) {
-                return Ok(());
-            }
-        }
-        self.stop_running(Stop::IterationLimit);
-        Ok(())
-    }
-
-    /// Evaluates tissue and skeleton at the iterates of running instances.
+    /// Evaluates E, gradient and Hessian at the iterates of running instances.
     async fn evaluate<P: Potential>(
         &mut self,
         potential: &mut P,
         timings: &mut Timings,
     ) -> Result<()> {
-        let watch = Stopwatch::start();
-        potential
-            .evaluate(&self.states, &self.running, &mut self.evaluations)
-            .await?;
-        timings.evaluation += watch.ms();
-        let watch = Stopwatch::start();
-        for i in 0..self.lanes.len() {
-            if !self.running[i] {
-                continue;
-            }
-            let frames = &self.states[i].frames;
-            let evaluation = &mut self.evaluations[i];
-            let skeleton = &self.lanes[i].skeleton;
-            skeleton.add_derivatives(frames, &mut evaluation.gradient, &mut evaluation.hessian);
-            if potential.hessian_form() == HessianForm::Exact {
-                skeleton.add_geometric(frames, &mut evaluation.hessian);
-            }
-            self.lanes[i].report.skeleton_energies = self.skeleton_energies(i);
-        }
-        timings.skeleton += watch.ms();
-        Ok(())
+        self.iterates
+            .evaluate(potential, &self.minimisations, &self.running, timings)
+            .await
     }
 
-    /// E(q) − E(qⁿ) of the skeleton at an instance's iterate.
-    fn skeleton_energies(&self, i: usize) -> SkeletonEnergies {
-        let lane = &self.lanes[i];
-        lane.skeleton
-            .difference(&lane.current.frames, &self.states[i].frames)
-    }
-
-    /// E(q) − E(qⁿ) at the last evaluated iterate.
-    fn total_energy(&self, i: usize) -> f64 {
-        self.evaluations[i].energies.total() + self.lanes[i].report.skeleton_energies.total()
-    }
-
-    /// Solves for every running instance's Newton step and reports what its evaluation said.
-    fn directions<P: Potential>(
+    /// Solves for the Newton step of every running instance.
+    fn solve<P: Potential>(
         &mut self,
         potential: &P,
         solver: &mut dyn LinearSolver,
         timings: &mut Timings,
     ) -> Result<()> {
         let watch = Stopwatch::start();
-        for i in 0..self.lanes.len() {
-            if !self.running[i] {
-                continue;
-            }
-            let (lane, evaluation) = (&mut self.lanes[i], &mut self.evaluations[i]);
-            let gradient = &evaluation.gradient;
-            let energy = evaluation.energies.total() + lane.report.skeleton_energies.total();
-            if !energy.is_finite() {
-                return Err(Error::NotFinite { quantity: "energy" });
-            }
-            if !gradient.iter().all(|g| g.is_finite()) {
-                return Err(Error::NotFinite { quantity: "force" });
-            }
-            let (solved, dropped) = solve(solver, evaluation, &lane.fixed, &mut lane.step)?;
-            let gradient = &evaluation.gradient;
-            if !lane.step.iter().all(|d| d.is_finite()) {
-                return Err(Error::NotFinite {
-                    quantity: "Newton step",
-                });
-            }
-            if lane.fixed.contains(&true) {
-                multiply_add(
-                    potential.pattern(),
-                    &evaluation.hessian,
-                    &lane.step,
-                    gradient,
-                    &mut lane.reaction,
-                );
-            }
-            let report = &mut lane.report;
-            report.iterations += 1;
-            report.decrement = -dot(gradient, &lane.step);
-            report.step_length = step_length(&lane.step, lane.current.frames.len());
-            report.diagonal_shift = report.diagonal_shift.max(solved.diagonal_shift);
-            report.geometric_dropped += usize::from(dropped);
-            report.energies = evaluation.energies;
-            report.contact_force = evaluation.contact_force;
-            report.contacts = evaluation.contacts;
+        for i in (0..self.running.len()).filter(|&i| self.running[i]) {
+            self.minimisations[i].solve(
+                solver,
+                potential.pattern(),
+                &mut self.iterates.evaluations[i],
+                self.iterates.skeleton_energies[i],
+            )?;
         }
         timings.solve += watch.ms();
         Ok(())
     }
 
+    /// Shows the iteration of every running instance.
+    fn show(&self, observer: &mut Observer<'_>) {
+        for (i, minimisation) in self.minimisations.iter().enumerate() {
+            if self.running[i] {
+                observer(&Iteration {
+                    instance: i,
+                    state: &self.iterates.states[i],
+                    gradient: &self.iterates.evaluations[i].gradient,
+                    fixed: &minimisation.fixed,
+                    step: &minimisation.step,
+                    report: &minimisation.report,
+                });
+            }
+        }
+    }
+
     /// Moves every running instance whose step is no longer than `length` by its whole step, and ends its
     /// minimisation.
     fn take_short_steps(&mut self, length: f64, stop: Stop) {
-        for i in 0..self.lanes.len() {
-            if self.running[i] && self.lanes[i].report.step_length <= length {
-                self.states[i].move_by(&self.lanes[i].step, 1.0);
-                self.lanes[i].report.stop = stop;
+        for (i, minimisation) in self.minimisations.iter_mut().enumerate() {
+            if self.running[i] && minimisation.report.step_length <= length {
+                self.iterates.states[i].move_by(&minimisation.step, 1.0);
+                minimisation.report.stop = stop;
                 self.running[i] = false;
             }
         }
     }
 
+    /// Moves what still runs as far along its step as lowers the energy.
+    async fn search_line<P: Potential>(
+        &mut self,
+        potential: &mut P,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let (minimisations, states) = (&mut self.minimisations, &mut self.iterates.states);
+        self.line_search
+            .search(potential, minimisations, states, &mut self.running, timings)
+            .await
+    }
+
     /// Ends the minimisation of what still runs.
     fn stop_running(&mut self, stop: Stop) {
-        for (running, lane) in self.running.iter_mut().zip(&mut self.lanes) {
+        for (running, minimisation) in self.running.iter_mut().zip(&mut self.minimisations) {
             if std::mem::take(running) {
-                lane.report.stop = stop;
+                minimisation.report.stop = stop;
             }
         }
     }
-}
-
-/// Solves with the geometric terms of contact where the evaluation has them; where the Hessian is not positive definite
-/// with them, without. [`Evaluation::hessian`] is then the matrix that served. Tells whether terms were dropped.
-fn solve(
-    solver: &mut dyn LinearSolver,
-    evaluation: &mut Evaluation,
-    fixed: &[bool],
-    step: &mut [f64],
-) -> Result<(SolveReport, bool)> {
-    let Evaluation {
-        hessian,
-        geometric,
-        gradient,
-        ..
-    } = evaluation;
-    let wanted = !geometric.is_empty();
-    if wanted {
-        let sums = geometric.as_flattened_mut().iter_mut();
-        for (sum, term) in sums.zip(hessian.as_flattened()) {
-            *sum += term;
-        }
-        if let Ok(report) = solver.solve_shifted(geometric, gradient, fixed, step, &[0.0]) {
-            std::mem::swap(hessian, geometric);
-            return Ok((report, false));
-        }
-    }
-    Ok((solver.solve(hessian, gradient, fixed, step)?, wanted))
-}
-
-/// a · b.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// The longest move of a joint or handle, m, rotations counted at [`ROTATION_LEVER`].
-fn step_length(step: &[f64], frames: usize) -> f64 {
-    let length = |(block, d): (usize, &[f64])| {
-        let rotation = block < 2 * frames && block % 2 == 1;
-        dot(d, d).sqrt() * if rotation { ROTATION_LEVER } else { 1.0 }
-    };
-    step.chunks(3).enumerate().map(length).fold(0.0, f64::max)
 }

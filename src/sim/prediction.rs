@@ -42,11 +42,12 @@ fn pin(skeleton: &Skeleton, instance: &Instance, state: &mut State) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::instance::Pin;
+    use super::super::settings::Settings;
     use super::*;
     use crate::math::Random;
     use crate::model::Frame;
     use crate::random_avatar::random_avatar;
-    use crate::sim::{Pin, Settings};
     use crate::skeleton::joint_gap;
     use glam::DVec3;
 

@@ -2,15 +2,18 @@
 
 use super::dense_cholesky::DenseCholesky;
 use super::instance::Instance;
+use super::iteration::Observer;
 use super::linear_solver::LinearSolver;
-use super::newton::{Lane, Newton};
+use super::minimisation::Minimisation;
+use super::newton::Newton;
 use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
+use super::step_start::{skeleton_start, tissue_start};
 use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
 use crate::potential::{Potential, StepStart};
-use crate::skeleton::{SkeletonModel, SkeletonPotential, SkeletonStart, joint_gap};
+use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
 use crate::{Error, Result};
 use glam::DVec3;
 
@@ -59,21 +62,16 @@ impl<P: Potential> Simulation<P> {
         let instances: Vec<_> = (0..potential.instances())
             .map(|_| Instance::new(avatar, &settings))
             .collect();
-        let dofs = avatar.space().dofs();
-        let lanes = instances
+        let minimisations = instances
             .iter()
-            .map(|instance| Lane {
-                skeleton: skeleton_terms(&skeleton, &settings, instance),
-                current: instance.state.clone(),
-                fallback: instance.state.clone(),
-                fixed: vec![false; dofs],
-                step: vec![0.0; dofs],
-                reaction: vec![0.0; dofs],
-                report: InstanceReport::default(),
+            .map(|instance| {
+                let start = skeleton_start(&settings, instance);
+                let skeleton = SkeletonPotential::new(&skeleton, &start);
+                Minimisation::new(skeleton, instance.state.clone())
             })
             .collect();
         Ok(Self {
-            newton: Newton::new(lanes, &avatar.rest_state()),
+            newton: Newton::new(minimisations, &avatar.rest_state()),
             potential,
             solver,
             settings,
@@ -120,7 +118,8 @@ impl<P: Potential> Simulation<P> {
 
     /// The bones' own terms of the next step of an instance, with targets where they are now.
     pub fn skeleton_potential(&self, instance: usize) -> SkeletonPotential {
-        skeleton_terms(&self.skeleton, &self.settings, &self.instances[instance])
+        let start = skeleton_start(&self.settings, &self.instances[instance]);
+        SkeletonPotential::new(&self.skeleton, &start)
     }
 
     /// The instances.
@@ -151,6 +150,19 @@ impl<P: Potential> Simulation<P> {
     /// # Errors
     /// As [`Simulation::step`]; the report is then the last one's.
     pub async fn step_into(&mut self, report: &mut StepReport) -> Result<()> {
+        self.step_observed(report, &mut |_| ()).await
+    }
+
+    /// [`Simulation::step_into`] with an observer of Newton's iterations: for plots of how they converge, and for
+    /// comparing solvers and Hessians. It sees what the step works with anyway, so that none of it costs anything.
+    ///
+    /// # Errors
+    /// As [`Simulation::step_into`].
+    pub async fn step_observed(
+        &mut self,
+        report: &mut StepReport,
+        observer: &mut Observer<'_>,
+    ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut timings = Timings::default();
         self.begin_step(&mut timings).await?;
@@ -161,15 +173,18 @@ impl<P: Potential> Simulation<P> {
                 solver,
                 self.settings.solver,
                 &mut timings,
+                observer,
             )
             .await?;
-        for (state, active) in newton.states.iter().zip(&newton.active) {
+        for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
             if *active && !state.is_finite() {
                 return Err(Error::NotFinite { quantity: "state" });
             }
         }
         let skin = Stopwatch::start();
-        self.potential.pose_skin(&self.newton.states).await?;
+        self.potential
+            .pose_skin(&self.newton.iterates.states)
+            .await?;
         timings.skin = skin.ms();
         self.commit();
         let evaluation = self.potential.timings();
@@ -180,8 +195,9 @@ impl<P: Potential> Simulation<P> {
         report.timings = timings;
         let count = self.instances.len();
         report.instances.resize_with(count, InstanceReport::default);
-        for (out, lane) in report.instances.iter_mut().zip(&mut self.newton.lanes) {
-            std::mem::swap(out, &mut lane.report);
+        let minimisations = &mut self.newton.minimisations;
+        for (out, minimisation) in report.instances.iter_mut().zip(minimisations) {
+            std::mem::swap(out, &mut minimisation.report);
         }
         Ok(())
     }
@@ -212,22 +228,22 @@ impl<P: Potential> Simulation<P> {
         let watch = Stopwatch::start();
         for (i, instance) in self.instances.iter().enumerate() {
             self.newton.active[i] = instance.active;
-            let lane = &mut self.newton.lanes[i];
-            lane.report.reset();
+            let minimisation = &mut self.newton.minimisations[i];
+            minimisation.report.reset();
             if !instance.active {
-                self.newton.states[i].clone_from(&instance.state);
+                self.newton.iterates.states[i].clone_from(&instance.state);
                 continue;
             }
-            instance.validate(&lane.current)?;
+            instance.validate(&minimisation.current)?;
             let start = skeleton_start(&self.settings, instance);
-            lane.skeleton.restart(&self.skeleton, &start);
-            lane.current.clone_from(&instance.state);
+            minimisation.skeleton.restart(&self.skeleton, &start);
+            minimisation.current.clone_from(&instance.state);
             let skeleton = self.skeleton.skeleton();
-            fall_back(skeleton, instance, &mut lane.fallback);
-            predict(skeleton, instance, &mut self.newton.states[i]);
-            lane.fixed.fill(false);
+            fall_back(skeleton, instance, &mut self.newton.fallbacks.states[i]);
+            predict(skeleton, instance, &mut self.newton.iterates.states[i]);
+            minimisation.fixed.fill(false);
             for pin in &instance.pins {
-                lane.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
+                minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
             }
         }
         timings.skeleton += watch.ms();
@@ -252,12 +268,12 @@ impl<P: Potential> Simulation<P> {
                 continue;
             }
             std::mem::swap(&mut instance.previous, &mut instance.state);
-            instance.state.clone_from(&newton.states[i]);
+            instance.state.clone_from(&newton.iterates.states[i]);
             let frames = &instance.state.frames;
-            let lane = &mut newton.lanes[i];
-            lane.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
-            lane.report.weight = self.skeleton.total_mass() * instance.gravity;
-            let tracking = lane.skeleton.tracking().iter().map(|term| {
+            let minimisation = &mut newton.minimisations[i];
+            minimisation.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
+            minimisation.report.weight = self.skeleton.total_mass() * instance.gravity;
+            let tracking = minimisation.skeleton.tracking().iter().map(|term| {
                 let (force, torque) = term.load(frames);
                 let bone = term.bone();
                 Load {
@@ -266,13 +282,13 @@ impl<P: Potential> Simulation<P> {
                     torque,
                 }
             });
-            let block = |b: usize| DVec3::from_slice(&lane.reaction[3 * b..3 * b + 3]);
+            let block = |b: usize| DVec3::from_slice(&minimisation.reaction[3 * b..3 * b + 3]);
             let pins = instance.pins.iter().map(|pin| Load {
                 bone: pin.bone,
                 force: block(2 * pin.bone),
                 torque: block(2 * pin.bone + 1),
             });
-            lane.report.loads.extend(tracking.chain(pins));
+            minimisation.report.loads.extend(tracking.chain(pins));
             for target in &mut instance.targets {
                 target.previous = target.frame;
             }
@@ -280,50 +296,5 @@ impl<P: Potential> Simulation<P> {
                 collider.previous = collider.frame;
             }
         }
-    }
-}
-
-/// The skeleton's terms of an instance's next step.
-pub(super) fn skeleton_terms(
-    model: &SkeletonModel,
-    settings: &Settings,
-    instance: &Instance,
-) -> SkeletonPotential {
-    SkeletonPotential::new(model, &skeleton_start(settings, instance))
-}
-
-/// What the skeleton's next step of an instance starts from.
-fn skeleton_start<'a>(settings: &Settings, instance: &'a Instance) -> SkeletonStart<'a> {
-    SkeletonStart {
-        time_step: settings.time_step,
-        previous: &instance.previous.frames,
-        current: &instance.state.frames,
-        joint_stiffness: settings.joint_stiffness,
-        bending: &instance.bending,
-        limits: &instance.limits,
-        targets: &instance.targets,
-        gravity: instance.gravity,
-    }
-}
-
-/// What the tissue's next step of an instance starts from.
-pub(super) fn tissue_start<'a>(
-    settings: &Settings,
-    captured_under_gravity: bool,
-    instance: &'a Instance,
-) -> StepStart<'a> {
-    StepStart {
-        time_step: settings.time_step,
-        previous: &instance.previous,
-        current: &instance.state,
-        colliders: &instance.colliders,
-        slip_speed: settings.slip_speed,
-        geometric_contact: settings.geometric_contact,
-        // A captured shape already sags: the tissue's weight is then among the skeleton's terms.
-        tissue_gravity: if captured_under_gravity {
-            DVec3::ZERO
-        } else {
-            instance.gravity
-        },
     }
 }

@@ -4,6 +4,21 @@
 //! blocks of the reduced system. Every term stands in one file with its formula, its energy
 //! difference (summed from increments, so that it keeps its digits near rest), its gradient and its
 //! positive semi-definite Gauss–Newton Hessian. Rotations step by R ← exp(\[δω\]) R everywhere.
+//!
+//! Each file imports from those above it only:
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `log_derivative` | derivatives of a rotation's logarithm |
+//! | `term` | the interface of a term, and what terms share |
+//! | `joint` | springs that hold joints together |
+//! | `bending` | springs between the rotations of a bone and its parent |
+//! | `swing_twist` | a joint's rotation as swing and twist |
+//! | `limit` | springs that keep joints within their ranges |
+//! | `tracking` | springs and dampers to moving targets |
+//! | `bone_inertia` | the inertia of rigid bones |
+//! | `gravity` | gravity on bones and tissue |
+//! | `system` | all terms of a skeleton together |
 
 mod bending;
 mod bone_inertia;

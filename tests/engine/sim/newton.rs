@@ -4,7 +4,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::random_avatar;
 use supple::model::{Avatar, Space, State};
 use supple::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
-use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
+use supple::sim::{Iteration, Pin, Settings, Simulation, SolverMode, StepReport, Stop};
 use supple::{Error, Result};
 
 /// Energy, gradient and solver's Hessian of one handle's displacement.
@@ -204,6 +204,33 @@ fn a_prediction_that_raises_the_energy_is_not_started_from() {
     let report = free.step_blocking().unwrap();
     assert!(!report.instances[0].started_at_current);
     assert_eq!(free.potential().evaluations, 1);
+}
+
+#[test]
+fn an_observer_sees_every_iteration_and_changes_nothing() {
+    let start = DVec3::new(3.0, 0.0, -1.0);
+    let plain = &mut simulation(flat, converged(1e-9, 50), start, start);
+    let expected = plain.step_blocking().unwrap().instances.remove(0);
+    let observed = &mut simulation(flat, converged(1e-9, 50), start, start);
+    let (mut seen, mut report) = (Vec::new(), StepReport::default());
+    let mut observer = |iteration: &Iteration<'_>| {
+        let (x, report) = (iteration.state.handles[0], iteration.report);
+        let slope: f64 = (iteration.gradient.iter().zip(iteration.step))
+            .map(|(g, d)| g * d)
+            .sum();
+        assert_eq!(report.decrement, -slope);
+        // The pinned bone's part is its reaction: only the three handles count.
+        let norm = 3.0_f64.sqrt() * flat(x).1.length();
+        assert!((iteration.gradient_norm() - norm).abs() <= 1e-12 * norm);
+        seen.push((report.iterations, x, report.step_length));
+    };
+    pollster::block_on(observed.step_observed(&mut report, &mut observer)).unwrap();
+    assert_eq!(report.instances[0], expected);
+    assert_eq!(observed.instances()[0].state, plain.instances()[0].state);
+    let numbers = seen.iter().map(|(number, ..)| *number);
+    assert!(numbers.eq(1..=expected.iterations));
+    assert_eq!(seen[0].1, start);
+    assert_eq!(seen.last().unwrap().2, expected.step_length);
 }
 
 #[test]

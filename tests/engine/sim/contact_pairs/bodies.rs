@@ -54,7 +54,7 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
         let instance = &mut simulation.instances_mut()[0];
         instance.gravity = DVec3::ZERO;
         instance.colliders.push(ball);
-        instance.place(state);
+        instance.set_state(state);
         let approach = Frame::moved(
             &instance.state.frames[0],
             DVec3::new(-2e-3, 1e-3, 5e-3),

@@ -42,7 +42,7 @@ fn slide(alpha: f64, floor: Collider, solver: SolverMode) -> Result<Vec<f64>> {
         rotation: turn,
         position: turn * (DVec3::Z * (HALF.z - depth)),
     };
-    instance.place(state);
+    instance.set_state(state);
     let mut speeds = Vec::new();
     for _ in 0..60 {
         simulation.step_blocking()?;

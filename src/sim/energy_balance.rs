@@ -1,10 +1,12 @@
 //! Mechanical energy, measured between steps.
 
-use super::simulation::{skeleton_terms, tissue_start};
-use super::{Instance, Simulation};
+use super::instance::Instance;
+use super::simulation::Simulation;
+use super::step_start::{skeleton_start, tissue_start};
 use crate::Result;
 use crate::model::State;
 use crate::potential::{Evaluation, Potential};
+use crate::skeleton::SkeletonPotential;
 use serde::Serialize;
 
 /// Energy of one instance: what it has in motion, and how much its potential energies changed in the
@@ -60,7 +62,8 @@ impl<P: Potential> Simulation<P> {
             .evaluate(&states, &all, &mut evaluations)
             .await?;
         let balance = |((instance, state), evaluation): ((&Instance, &State), &Evaluation)| {
-            let bones = skeleton_terms(&self.skeleton, &self.settings, instance)
+            let start = skeleton_start(&self.settings, instance);
+            let bones = SkeletonPotential::new(&self.skeleton, &start)
                 .difference(&instance.state.frames, &state.frames);
             let tissue = &evaluation.energies;
             EnergyBalance {
@@ -71,7 +74,7 @@ impl<P: Potential> Simulation<P> {
                 skeleton: bones.joint + bones.bending + bones.limit + bones.tracking,
             }
         };
-        let lanes = resting.iter().zip(&states).zip(&evaluations);
-        Ok(lanes.map(balance).collect())
+        let pairs = resting.iter().zip(&states).zip(&evaluations);
+        Ok(pairs.map(balance).collect())
     }
 }

@@ -1,0 +1,124 @@
+//! One instance's minimisation of E in a step: its Newton step, and what is told about it.
+
+use super::linear_solver::{LinearSolver, SolveReport, multiply_add};
+use super::report::InstanceReport;
+use crate::model::State;
+use crate::potential::{BlockPattern, Evaluation};
+use crate::skeleton::{SkeletonEnergies, SkeletonPotential};
+use crate::{Error, Result};
+
+/// Lever at which a rotation counts as a length, m.
+const ROTATION_LEVER: f64 = 0.1;
+
+/// One instance's minimisation of E in a step: its problem, and how far it has got.
+pub(super) struct Minimisation {
+    /// The skeleton's terms of this step.
+    pub skeleton: SkeletonPotential,
+    /// qⁿ.
+    pub current: State,
+    /// Which DoFs are prescribed.
+    pub fixed: Vec<bool>,
+    /// The Newton step δ.
+    pub step: Vec<f64>,
+    /// g + H δ: at fixed DoFs, what holds them.
+    pub reaction: Vec<f64>,
+    /// What happened.
+    pub report: InstanceReport,
+}
+
+impl Minimisation {
+    /// From `current` on, with nothing prescribed.
+    pub fn new(skeleton: SkeletonPotential, current: State) -> Self {
+        let dofs = current.space().dofs();
+        Self {
+            skeleton,
+            current,
+            fixed: vec![false; dofs],
+            step: vec![0.0; dofs],
+            reaction: vec![0.0; dofs],
+            report: InstanceReport::default(),
+        }
+    }
+
+    /// Solves H δ = −g for the Newton step, where the iterate has the energies, gradient and Hessian of `evaluation`
+    /// (the skeleton's included, whose energies are `skeleton_energies`), and reports on the iteration.
+    pub fn solve(
+        &mut self,
+        solver: &mut dyn LinearSolver,
+        pattern: &BlockPattern,
+        evaluation: &mut Evaluation,
+        skeleton_energies: SkeletonEnergies,
+    ) -> Result<()> {
+        let energy = evaluation.energies.total() + skeleton_energies.total();
+        if !energy.is_finite() {
+            return Err(Error::NotFinite { quantity: "energy" });
+        }
+        if !evaluation.gradient.iter().all(|g| g.is_finite()) {
+            return Err(Error::NotFinite { quantity: "force" });
+        }
+        let (solved, dropped) = newton_step(solver, evaluation, &self.fixed, &mut self.step)?;
+        if !self.step.iter().all(|d| d.is_finite()) {
+            return Err(Error::NotFinite {
+                quantity: "Newton step",
+            });
+        }
+        let gradient = &evaluation.gradient;
+        if self.fixed.contains(&true) {
+            let hessian = &evaluation.hessian;
+            multiply_add(pattern, hessian, &self.step, gradient, &mut self.reaction);
+        }
+        let report = &mut self.report;
+        report.iterations += 1;
+        report.decrement = -dot(gradient, &self.step);
+        report.step_length = step_length(&self.step, self.current.frames.len());
+        report.diagonal_shift = report.diagonal_shift.max(solved.diagonal_shift);
+        report.geometric_dropped += usize::from(dropped);
+        report.energies = evaluation.energies;
+        report.skeleton_energies = skeleton_energies;
+        report.contact_force = evaluation.contact_force;
+        report.contacts = evaluation.contacts;
+        Ok(())
+    }
+}
+
+/// Solves with the geometric terms of contact where the evaluation has them; where the Hessian is not positive definite
+/// with them, without. [`Evaluation::hessian`] is then the matrix that served. Tells whether terms were dropped.
+fn newton_step(
+    solver: &mut dyn LinearSolver,
+    evaluation: &mut Evaluation,
+    fixed: &[bool],
+    step: &mut [f64],
+) -> Result<(SolveReport, bool)> {
+    let Evaluation {
+        hessian,
+        geometric,
+        gradient,
+        ..
+    } = evaluation;
+    let wanted = !geometric.is_empty();
+    if wanted {
+        let sums = geometric.as_flattened_mut().iter_mut();
+        for (sum, term) in sums.zip(hessian.as_flattened()) {
+            *sum += term;
+        }
+        if let Ok(report) = solver.solve_shifted(geometric, gradient, fixed, step, &[0.0]) {
+            std::mem::swap(hessian, geometric);
+            return Ok((report, false));
+        }
+    }
+    Ok((solver.solve(hessian, gradient, fixed, step)?, wanted))
+}
+
+/// a · b.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The longest move of a joint or handle, m, rotations counted at [`ROTATION_LEVER`].
+fn step_length(step: &[f64], frames: usize) -> f64 {
+    let length = |(block, d): (usize, &[f64])| {
+        let rotation = block < 2 * frames && block % 2 == 1;
+        dot(d, d).sqrt() * if rotation { ROTATION_LEVER } else { 1.0 }
+    };
+    step.chunks(3).enumerate().map(length).fold(0.0, f64::max)
+}
