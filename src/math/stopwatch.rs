@@ -1,23 +1,22 @@
-//! Wall-clock time, where the platform has a clock.
+//! Wall-clock time.
 
-/// Time since it was started. On wasm, whose standard library has no clock, always 0.
+#[cfg(not(target_arch = "wasm32"))]
+use std::time::Instant;
+#[cfg(target_arch = "wasm32")]
+use web_time::Instant; // std's panics in a browser
+
+/// Time since it was started.
 #[derive(Clone, Copy, Debug)]
-pub struct Stopwatch(#[cfg(not(target_arch = "wasm32"))] std::time::Instant);
+pub struct Stopwatch(Instant);
 
 impl Stopwatch {
     /// Starts now.
     pub fn start() -> Self {
-        Self(
-            #[cfg(not(target_arch = "wasm32"))]
-            std::time::Instant::now(),
-        )
+        Self(Instant::now())
     }
 
     /// Time since the start, ms.
     pub fn ms(&self) -> f64 {
-        #[cfg(not(target_arch = "wasm32"))]
-        return self.0.elapsed().as_secs_f64() * 1e3;
-        #[cfg(target_arch = "wasm32")]
-        0.0
+        self.0.elapsed().as_secs_f64() * 1e3
     }
 }

@@ -19,7 +19,7 @@ const CELLS: f64 = 5e5;
 
 /// Grid cells whose centre is inside the skin, outside the layer and outside every surface of
 /// `known`. Inside is by winding number, so a skin that cuts through itself does no harm; holes are
-/// closed by fans.
+/// closed by caps.
 pub(crate) fn core_samples(body: &Body, known: &[&Surface]) -> Vec<CoreSample> {
     let Ok(SoundSkin { surface: skin, .. }) = SoundSkin::new(&body.skin) else {
         return Vec::new();

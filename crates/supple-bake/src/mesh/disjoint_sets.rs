@@ -15,14 +15,14 @@ impl DisjointSets {
     }
 
     /// One more element, alone; its index.
-    pub fn push(&mut self) -> u32 {
+    pub(crate) fn push(&mut self) -> u32 {
         let index = self.parent.len() as u32;
         self.parent.push(index);
         index
     }
 
     /// Number of elements.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.parent.len()
     }
 

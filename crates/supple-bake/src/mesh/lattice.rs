@@ -175,7 +175,7 @@ impl Solid<'_> {
         self.assemble(&lattice, &samples.per_tet(), &mut pieces, &held)
     }
 
-    /// The lattice nodes at holes: within a quarter cell of the fan over one or on its far side, as if
+    /// The lattice nodes at holes: within a quarter cell of the cap over one or on its far side, as if
     /// its bone went on there.
     fn end_nodes(&self, lattice: &BccLattice) -> BTreeMap<u32, u32> {
         let mut nodes = BTreeMap::new();

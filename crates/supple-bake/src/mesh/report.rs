@@ -6,7 +6,7 @@ use std::fmt;
 use supple::Result;
 use supple::model::Surface;
 
-/// A hole in a skin: a loop of edges that have a triangle on one side only. It is closed by a fan for the
+/// A hole in a skin: a loop of edges that have a triangle on one side only. It is closed by a cap for the
 /// inside test and the volume, and the bones hold its vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hole {
@@ -27,7 +27,7 @@ pub struct SkinReport {
     pub triangles: usize,
     /// Parts that share no vertex, each meshed by itself.
     pub parts: usize,
-    /// Holes: closed by fans.
+    /// Holes: closed by caps.
     pub holes: Vec<Hole>,
     /// Edges of three triangles or more, or of two that face opposite ways: held by their bones.
     pub non_manifold_edges: usize,

@@ -1,160 +1,70 @@
-//! Object literals of JavaScript, as data files write them: names without quotes, single quotes, comments,
-//! trailing commas. Nothing is executed; JSON is among what is read.
+//! Object literals of JavaScript, as data files write them. Nothing is executed: JSON5 is what is read.
 
-use serde_json::{Map, Value};
+use json5::Deserializer;
+use serde::Deserialize;
+use serde_json::Value;
 
-/// Deepest nesting.
+/// Deepest nesting: the parser calls itself for each bracket.
 const DEEPEST: usize = 64;
 
-/// The first object literal in `text`: what stands before its brace (`export const pose =`) is passed over.
-/// The error names its line.
+/// What ends a line, and a comment with it, in JavaScript.
+const LINE_ENDS: [char; 4] = ['\n', '\r', '\u{2028}', '\u{2029}'];
+
+/// The first object literal in `text`: what stands before its brace (`export const pose =`) is passed over, and what
+/// comes after it left alone. The error names its line.
 pub(super) fn first_object(text: &str) -> Result<Value, (usize, String)> {
-    let mut parser = Parser { text, at: 0 };
-    parser.skip_to_object();
-    let value = parser.value(0);
-    value.map_err(|problem| (1 + text[..parser.at].matches('\n').count(), problem))
+    let line = |at: usize| 1 + text[..at].matches('\n').count();
+    let start = first_brace(text).map_err(|(at, problem)| (line(at), problem))?;
+    Value::deserialize(&mut Deserializer::from_str(&text[start..])).map_err(|error| {
+        // Where the text ends too early, that of what is left open.
+        let below = error.position().map_or(0, |p| p.line);
+        let problem = error.code().map(|code| code.to_string());
+        let problem = problem.unwrap_or("a number that cannot be read".into());
+        (line(start) + below, problem)
+    })
 }
 
-struct Parser<'a> {
-    text: &'a str,
-    at: usize,
+/// Where the first object begins; or where its brackets are nested too deep.
+fn first_brace(text: &str) -> Result<usize, (usize, String)> {
+    let (mut at, mut start, mut depth) = (0, None, 0);
+    while let Some(c) = text[at..].chars().next() {
+        let rest = &text[at..];
+        match c {
+            '{' | '[' if start.is_some() || c == '{' => {
+                start = start.or(Some(at));
+                depth += 1;
+            }
+            '}' | ']' if start.is_some() => depth -= 1,
+            _ => {}
+        }
+        match start {
+            Some(start) if depth == 0 => return Ok(start),
+            _ if depth > DEEPEST => return Err((at, format!("is nested deeper than {DEEPEST}"))),
+            _ => {}
+        }
+        at += match c {
+            '/' if rest.starts_with("//") => rest.find(LINE_ENDS).unwrap_or(rest.len()),
+            '/' if rest.starts_with("/*") => {
+                (rest[2..].find("*/")).map_or(rest.len(), |length| length + 4)
+            }
+            '"' | '\'' if start.is_some() => quoted(rest),
+            _ => c.len_utf8(),
+        };
+    }
+    start.ok_or((text.len(), "`{` is expected: there is no object".into()))
 }
 
-impl Parser<'_> {
-    fn rest(&self) -> &str {
-        &self.text[self.at..]
-    }
-
-    fn peek(&self) -> Option<char> {
-        self.rest().chars().next()
-    }
-
-    fn bump(&mut self) {
-        self.at += self.peek().map_or(0, char::len_utf8);
-    }
-
-    /// To the first brace outside of comments.
-    fn skip_to_object(&mut self) {
-        loop {
-            self.skip_blank();
-            match self.peek() {
-                None | Some('{') => return,
-                _ => self.bump(),
-            }
+/// Length of the quoted text that `rest` begins with.
+fn quoted(rest: &str) -> usize {
+    let quote = rest.chars().next();
+    let mut escaped = false;
+    for (at, c) in rest.char_indices().skip(1) {
+        if !escaped && Some(c) == quote {
+            return at + 1;
         }
+        escaped = !escaped && c == '\\';
     }
-
-    /// Past white space and comments.
-    fn skip_blank(&mut self) {
-        loop {
-            let rest = self.rest();
-            let length = if rest.starts_with("//") {
-                rest.find('\n').unwrap_or(rest.len())
-            } else if rest.starts_with("/*") {
-                rest.find("*/").map_or(rest.len(), |end| end + 2)
-            } else {
-                rest.len() - rest.trim_start().len()
-            };
-            if length == 0 {
-                return;
-            }
-            self.at += length;
-        }
-    }
-
-    /// Whether `c` comes next; it is passed.
-    fn take(&mut self, c: char) -> bool {
-        self.skip_blank();
-        let there = self.peek() == Some(c);
-        if there {
-            self.bump();
-        }
-        there
-    }
-
-    fn value(&mut self, depth: usize) -> Result<Value, String> {
-        if depth > DEEPEST {
-            return Err(format!("is nested deeper than {DEEPEST}"));
-        }
-        if self.take('{') {
-            return self.object(depth);
-        }
-        if self.take('[') {
-            let mut items = Vec::new();
-            while !self.take(']') {
-                items.push(self.value(depth + 1)?);
-                self.separate(']')?;
-            }
-            return Ok(Value::Array(items));
-        }
-        self.skip_blank();
-        if matches!(self.peek(), Some('\'' | '"')) {
-            return Ok(Value::String(self.name()?));
-        }
-        let end = self
-            .rest()
-            .find(|c: char| !c.is_ascii_alphanumeric() && !"+-._$".contains(c));
-        let word = self.rest()[..end.unwrap_or(self.rest().len())].to_string();
-        let value = match word.as_str() {
-            "true" => Value::Bool(true),
-            "false" => Value::Bool(false),
-            "null" | "undefined" => Value::Null,
-            _ => word
-                .parse::<f64>()
-                .ok()
-                .and_then(serde_json::Number::from_f64)
-                .map(Value::Number)
-                .ok_or_else(|| format!("a value is expected, not {:?}", word.chars().next()))?,
-        };
-        self.at += word.len();
-        Ok(value)
-    }
-
-    fn object(&mut self, depth: usize) -> Result<Value, String> {
-        let mut object = Map::new();
-        while !self.take('}') {
-            let name = self.name()?;
-            if !self.take(':') {
-                return Err(format!("`:` is expected after {name:?}"));
-            }
-            let value = self.value(depth + 1)?;
-            object.insert(name, value);
-            self.separate('}')?;
-        }
-        Ok(Value::Object(object))
-    }
-
-    /// A comma, or what closes.
-    fn separate(&mut self, close: char) -> Result<(), String> {
-        self.skip_blank();
-        match self.take(',') || self.peek() == Some(close) {
-            true => Ok(()),
-            false => Err(format!("`,` or `{close}` is expected")),
-        }
-    }
-
-    /// A quoted text without escapes, or a plain name.
-    fn name(&mut self) -> Result<String, String> {
-        self.skip_blank();
-        let Some(quote) = self.peek().filter(|c| matches!(c, '\'' | '"')) else {
-            let rest = self.rest();
-            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_' && c != '$');
-            let name = rest[..end.unwrap_or(rest.len())].to_string();
-            if name.is_empty() {
-                return Err("a name is expected".into());
-            }
-            self.at += name.len();
-            return Ok(name);
-        };
-        let rest = &self.rest()[1..];
-        let end = rest.find([quote, '\\', '\n']).unwrap_or(rest.len());
-        if !rest[end..].starts_with(quote) {
-            return Err("a text does not end, or holds a backslash".into());
-        }
-        let name = rest[..end].to_string();
-        self.at += end + 2;
-        Ok(name)
-    }
+    rest.len()
 }
 
 #[cfg(test)]
@@ -164,8 +74,8 @@ mod tests {
 
     #[test]
     fn what_data_files_write_is_read() {
-        let text = "/* { */ export const pose = { // one\n a: [1, -2.5e-3, ],\n 'b-c': {\"d\": true,}, e: 'x', };";
-        let expected = json!({"a": [1.0, -0.0025], "b-c": {"d": true}, "e": "x"});
+        let text = "/* { */ export const pose = { // one\n a: [1, -2.5e-3, ],\n 'b-c': {\"d\": true,}, e: 'it\\'s }', };\n}";
+        let expected = json!({"a": [1, -0.0025], "b-c": {"d": true}, "e": "it's }"});
         assert_eq!(first_object(text).unwrap(), expected);
         assert_eq!(first_object("{}").unwrap(), json!({}));
     }
@@ -173,14 +83,14 @@ mod tests {
     #[test]
     fn what_is_broken_is_named_by_its_line() {
         for (text, line, hint) in [
-            ("", 1, "a value"),
-            ("\n{a: }", 2, "a value"),
-            ("{a 1}", 1, "`:`"),
-            ("{a: 1 b: 2}", 1, "`,`"),
-            ("{\n'a", 2, "does not end"),
-            ("{a: f()}", 1, "a value"),
-            ("{a: 1e999}", 1, "a value"),
-            ("{é: ü}", 1, "a value"),
+            ("", 1, "`{`"),
+            ("\n{a: }", 2, "expected value"),
+            ("{a 1}", 1, "expected colon"),
+            ("\n{\na: 1 b: 2}", 3, "expected comma"),
+            ("\n{'a", 2, "EOF parsing string"),
+            ("{a: f()}", 1, "expected"),
+            ("{a:\n1e5e5}", 2, "number"),
+            ("{a:\n[1, 2", 2, "EOF parsing array"),
         ] {
             let (at, problem) = first_object(text).unwrap_err();
             assert!(
@@ -188,7 +98,21 @@ mod tests {
                 "{text}: {at} {problem}"
             );
         }
-        let deep = "{a:".to_string() + &"[".repeat(100_000);
-        assert!(first_object(&deep).unwrap_err().1.contains("deeper"));
+    }
+
+    #[test]
+    fn no_depth_overflows_the_stack() {
+        let deep = "[".repeat(100_000);
+        // Brackets that close in a text or a comment close nothing.
+        for text in [
+            format!("{{a:{deep}"),
+            format!("{{a:{}", "[']', ".repeat(100_000)),
+            format!("{{a:{}", "[']\\']', ".repeat(100_000)),
+            format!("{{a:{}", "[/*]*/".repeat(100_000)),
+            format!("{{a:{}", "[//]\r".repeat(100_000)),
+            format!("{{a:{}", "[/*/]*/".repeat(100_000)),
+        ] {
+            assert!(first_object(&text).unwrap_err().1.contains("deeper"));
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Fans over the holes.
+//! Caps over the holes.
 
 use super::edges::edges;
 use crate::mesh::disjoint_sets::DisjointSets;
@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use supple::model::Surface;
 
-/// Adds a fan over every part of the boundary, so that the surface encloses a volume; returns the
+/// Adds a cap, triangles around a middle vertex, over every part of the boundary, so that the surface encloses a volume; returns the
 /// rims.
 pub(super) fn close_holes(
     surface: &mut Surface,

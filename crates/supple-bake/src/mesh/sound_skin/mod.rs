@@ -1,4 +1,4 @@
-//! A skin made fit for meshing: every triangle once, all looking outward, holes closed by fans.
+//! A skin made fit for meshing: every triangle once, all looking outward, holes closed by caps.
 //!
 //! Nothing here stops a mesher. What was found is in the [`SkinReport`].
 
@@ -20,7 +20,7 @@ use supple::{Error, Result};
 
 /// A skin whose triangles bound a solid: along any line the winding number starts and ends at 0.
 pub(crate) struct SoundSkin {
-    /// The skin's vertices, then one in the middle of each hole; the skin's triangles, then the fans.
+    /// The skin's vertices, then one in the middle of each hole; the skin's triangles, then the caps.
     pub surface: Surface,
     /// How many of the triangles are the skin's own.
     pub skin_triangles: usize,
@@ -123,15 +123,15 @@ impl SoundSkin {
         (surface, old)
     }
 
-    /// The fans over hole `h`, looking outward.
+    /// The cap of hole `h`, looking outward.
     pub fn cap(&self, h: usize) -> Surface {
         let centre = (self.report.vertices + h) as u32;
-        let fans = self.surface.triangles[self.skin_triangles..]
+        let caps = self.surface.triangles[self.skin_triangles..]
             .iter()
             .copied();
         Surface {
             positions: self.surface.positions.clone(),
-            triangles: fans.filter(|t| t.contains(&centre)).collect(),
+            triangles: caps.filter(|t| t.contains(&centre)).collect(),
         }
     }
 

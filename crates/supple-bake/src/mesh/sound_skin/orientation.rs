@@ -56,7 +56,7 @@ pub(super) fn make_consistent(surface: &mut Surface) {
 pub(super) fn turn_outward(surface: &mut Surface, part: &[u32]) {
     let mut of_part: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (t, triangle) in surface.triangles.iter().enumerate() {
-        // The first corner of a fan is a vertex of the skin.
+        // The first corner of a cap's triangle is a vertex of the skin.
         of_part
             .entry(part[triangle[0] as usize])
             .or_default()

@@ -1,4 +1,4 @@
-//! Fans, orientation, cavities, and the counts of what was found.
+//! Caps, orientation, cavities, and the counts of what was found.
 
 use super::SoundSkin;
 use crate::Limb;
@@ -21,7 +21,7 @@ fn finger() -> Surface {
 }
 
 #[test]
-fn fans_close_the_cut_ends() {
+fn caps_close_the_cut_ends() {
     let skin = Limb::S.body().unwrap().skin;
     assert!(!skin.is_closed());
     let sound = SoundSkin::new(&skin).unwrap();

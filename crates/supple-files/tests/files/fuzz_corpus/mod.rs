@@ -10,6 +10,7 @@ use formats::Format;
 use memory::peak_during;
 use mutate::Mutations;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Damaged files of each format.
@@ -105,6 +106,9 @@ fn a_parser_that_breaks_a_bound_is_caught() {
     assert!(!caught(|bytes| bytes.len() == 8));
 }
 
+/// Where cargo-fuzz looks for files to start from.
+const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/corpus");
+
 /// The same files as a start for cargo-fuzz.
 #[test]
 #[ignore = "writes fuzz/corpus, for `cargo fuzz run`"]
@@ -126,7 +130,7 @@ fn write_seeds() {
         ("scene", formats::recipe()),
     ];
     for (target, format) in of_targets {
-        let folder = std::path::Path::new("fuzz/corpus").join(target);
+        let folder = Path::new(CORPUS).join(target);
         std::fs::create_dir_all(&folder).unwrap();
         for (i, seed) in format.seeds.iter().enumerate() {
             // The target writes the baked file's header itself.
