@@ -16,6 +16,35 @@ pub mod gpu {
     pub use crate::potential::gpu::*;
 }
 
+/// Each of the bones' own terms.
+pub mod skeleton {
+    pub use crate::skeleton::bending::BendingSpring;
+    pub use crate::skeleton::bone_inertia::BoneInertia;
+    pub use crate::skeleton::gravity::{FrameGravity, TissueMoments};
+    pub use crate::skeleton::joint::{JointSpring, joint_gap};
+    pub use crate::skeleton::limit::LimitSpring;
+    pub use crate::skeleton::log_derivative::{inverse_left_jacobian, log_curvature};
+    pub use crate::skeleton::system::{SkeletonModel, SkeletonStart};
+    pub use crate::skeleton::term::{FrameHessian, FrameTerm, Residual, rotation_curvature};
+    pub use crate::skeleton::tracking::TrackingSpring;
+}
+
+/// Kernels, buffers and readbacks.
+#[cfg(feature = "gpu")]
+pub mod gpu_plumbing {
+    pub use crate::gpu::buffer::Buffer;
+    pub use crate::gpu::buffer_list::Allocator;
+    pub use crate::gpu::kernel::{Bindings, Kernel, Module};
+    pub use crate::gpu::layout::{HostShareable, SharedValue, StructLayout};
+    pub use crate::gpu::readback::Readback;
+}
+
+/// Pose features of blend shapes, and the blocks of a point.
+pub mod features {
+    pub use crate::model::skeleton::{pose_feature, pose_feature_into, pose_features};
+    pub use crate::potential::pattern::point_blocks;
+}
+
 /// What reduced and sparse solvers share.
 pub mod linear_solver {
     pub use crate::sim::linear_solver::*;

@@ -227,11 +227,10 @@ fn pressed<P: Potential>(
         values.sort_by(f64::total_cmp);
         values[values.len() / 2]
     };
-    Ok(Timings {
-        force: median(|t| t.force),
-        hessian: median(|t| t.hessian),
-        solve: median(|t| t.solve),
-        step: median(|t| t.step),
-        ..Timings::default()
-    })
+    let mut medians = Timings::default();
+    medians.force = median(|t| t.force);
+    medians.hessian = median(|t| t.hessian);
+    medians.solve = median(|t| t.solve);
+    medians.step = median(|t| t.step);
+    Ok(medians)
 }

@@ -6,11 +6,12 @@ mod capsule;
 mod cylinder;
 mod half_space;
 mod mass;
-mod mesh;
+pub(crate) mod mesh;
 mod sampled;
 mod sphere;
 
-pub use mesh::{DistanceGrid, MESH_NODES, MeshShape};
+pub(crate) use mesh::MESH_NODES;
+pub use mesh::{DistanceGrid, MeshShape};
 
 use crate::model::Frame;
 use crate::{Error, Result};

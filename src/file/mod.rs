@@ -29,6 +29,7 @@ const MOST_BYTES: u64 = 1 << 30;
 
 /// How much of an avatar goes into a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Parts {
     /// What a step and drawing read. [`Avatar::layer`] stays empty: no det F over tets, no full space.
     Step,

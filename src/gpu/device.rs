@@ -15,6 +15,7 @@ pub fn required_limits() -> wgpu::Limits {
 
 /// What executes an adapter's commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AdapterKind {
     /// A graphics card, an integrated or a virtual one.
     Hardware,
@@ -58,6 +59,7 @@ impl AdapterDescription {
 
 /// Which adapters may be taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AdapterChoice {
     /// A real GPU or nothing.
     #[default]

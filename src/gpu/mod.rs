@@ -1,21 +1,22 @@
 //! Plumbing that knows no physics: device, kernel, buffers, readback.
 
-mod buffer;
-mod buffer_list;
+pub(crate) mod buffer;
+pub(crate) mod buffer_list;
 mod device;
-mod kernel;
-mod layout;
-mod readback;
+pub(crate) mod kernel;
+pub(crate) mod layout;
+pub(crate) mod readback;
 
-pub use buffer::Buffer;
-pub use buffer_list::Allocator;
+pub(crate) use buffer::Buffer;
+pub(crate) use buffer_list::Allocator;
 pub use device::{
     AdapterChoice, AdapterDescription, AdapterKind, GpuDevice, adapters, required_features,
     required_limits,
 };
-pub use kernel::{Bindings, Kernel, Module};
-pub use layout::{HostShareable, SharedValue, StructLayout};
-pub use readback::{Readback, Waiting};
+pub(crate) use kernel::{Bindings, Kernel, Module};
+pub(crate) use layout::{HostShareable, SharedValue, StructLayout};
+pub(crate) use readback::Readback;
+pub use readback::Waiting;
 
 pub(crate) use buffer_list::buffers;
 pub(crate) use layout::host_shareable;

@@ -8,12 +8,13 @@ pub(crate) mod checks;
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
-mod pattern;
+pub(crate) mod pattern;
 
 pub use cpu::CpuPotential;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuOptions, GpuPotential};
-pub use pattern::{BlockPattern, point_blocks};
+pub use pattern::BlockPattern;
+pub(crate) use pattern::point_blocks;
 
 use crate::collider::Collider;
 use crate::model::{Space, State};

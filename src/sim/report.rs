@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Every way in which Newton's method stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Stop {
     /// The one iteration of [`SolverMode::OneIteration`](super::SolverMode::OneIteration) was made.
     OneIteration,
@@ -23,6 +24,7 @@ pub enum Stop {
 
 /// Wall-clock time of a step, ms. The first three are the evaluation's own account where it gives one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Timings {
     /// Energies and gradients.
     pub force: f64,
@@ -55,6 +57,7 @@ pub struct Load {
 
 /// One instance's part of a [`StepReport`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct InstanceReport {
     /// Why the minimisation ended.
     pub stop: Stop,
@@ -123,6 +126,7 @@ impl InstanceReport {
 
 /// What [`Simulation::step`](super::Simulation::step) did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct StepReport {
     /// Wall-clock times of the whole batch.
     pub timings: Timings,

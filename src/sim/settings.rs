@@ -9,6 +9,7 @@ pub const LARGEST_JOINT_STIFFNESS: f64 = 1e6;
 /// How far a step minimises the incremental potential.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum SolverMode {
     /// One Newton iteration, so one linear solve, from the inertial prediction with closed joints
     /// (from qⁿ where that has less energy): the paper's mode. Its step is taken whole and on trust up

@@ -20,23 +20,20 @@
 //! | `gravity` | gravity on bones and tissue |
 //! | `system` | all terms of a skeleton together |
 
-mod bending;
-mod bone_inertia;
-mod gravity;
-mod joint;
-mod limit;
-mod log_derivative;
+pub(crate) mod bending;
+pub(crate) mod bone_inertia;
+pub(crate) mod gravity;
+pub(crate) mod joint;
+pub(crate) mod limit;
+pub(crate) mod log_derivative;
 mod swing_twist;
-mod system;
-mod term;
-mod tracking;
+pub(crate) mod system;
+pub(crate) mod term;
+pub(crate) mod tracking;
 
-pub use bending::{Bending, BendingSpring};
-pub use bone_inertia::BoneInertia;
-pub use gravity::{FrameGravity, TissueMoments};
-pub use joint::{JointSpring, joint_gap};
-pub use limit::{JointLimit, LimitSpring};
-pub use log_derivative::{inverse_left_jacobian, log_curvature};
-pub use system::{SkeletonEnergies, SkeletonModel, SkeletonPotential, SkeletonStart};
-pub use term::{FrameHessian, FrameTerm, Residual, rotation_curvature};
-pub use tracking::{Spring, Tracking, TrackingSpring};
+pub use bending::Bending;
+pub(crate) use joint::joint_gap;
+pub use limit::JointLimit;
+pub use system::{SkeletonEnergies, SkeletonPotential};
+pub(crate) use system::{SkeletonModel, SkeletonStart};
+pub use tracking::{Spring, Tracking};

@@ -3,8 +3,11 @@
 use supple::glam::DVec3;
 use supple::internal::math::Random;
 use supple::internal::random_avatar;
-use supple::model::{Avatar, Frame, pose_feature};
-use supple::skeleton::{BoneInertia, FrameGravity, FrameTerm, TissueMoments};
+use supple::internal::skeleton::{BoneInertia, FrameGravity, FrameTerm, TissueMoments};
+use supple::{
+    internal::features::pose_feature,
+    model::{Avatar, Frame},
+};
 
 const BONES: usize = 3;
 const TIME_STEP: f64 = 0.01;

@@ -17,7 +17,10 @@ use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 use supple::Result;
 use supple::internal::math::{Random, par_map, rotation_log};
-use supple::model::{Frame, Skeleton, SkinWeight, Surface, pose_feature};
+use supple::{
+    internal::features::pose_feature,
+    model::{Frame, Skeleton, SkinWeight, Surface},
+};
 use supple_bake::ParametricModel;
 use supple_bake::math::DenseFactor;
 

@@ -7,7 +7,7 @@ use super::shared::BatchState;
 use super::stage::Stage;
 use crate::model::pose_feature;
 use crate::potential::StepStart;
-use crate::{Error, GpuError, Result};
+use crate::{GpuError, Result};
 
 /// x̄ from θⁿ, ŷ, the lagged damping tangent and the contacts at qⁿ, into the starts' slots.
 pub(super) async fn begin_step(
@@ -15,14 +15,8 @@ pub(super) async fn begin_step(
     starts: &[StepStart<'_>],
     active: &[bool],
 ) -> Result<()> {
-    potential.check_length("starts", starts.len())?;
-    potential.check_length("active", active.len())?;
+    potential.checks.starts(starts, active)?;
     for (start, _) in starts.iter().zip(active).filter(|(_, a)| **a) {
-        potential.check_state(start.previous)?;
-        potential.check_state(start.current)?;
-        if !(start.time_step > 0.0 && start.time_step.is_finite()) {
-            return Err(Error::invalid("time_step", "must be positive (s)"));
-        }
         if start.colliders.len() > potential.options.colliders {
             return Err(GpuError::Limit {
                 what: "colliders of an instance".to_owned(),
@@ -32,7 +26,6 @@ pub(super) async fn begin_step(
             }
             .into());
         }
-        start.validate_contact(&potential.body_frames)?;
         // Once there was friction, every start's list is made anew.
         potential.has_friction |= start.colliders.iter().any(|c| c.friction > 0.0);
     }

@@ -5,8 +5,8 @@ use super::evaluate::energies;
 use super::potential::{GpuPotential, Start};
 use super::shared::{BatchState, Summary};
 use super::stage::Stage;
+use crate::Result;
 use crate::potential::Trial;
-use crate::{Error, Result};
 
 /// E(state) − E(base) of each trial; as many at once as the options have room for.
 pub(super) async fn energy_differences(
@@ -14,9 +14,8 @@ pub(super) async fn energy_differences(
     trials: &[Trial<'_>],
     out: &mut [f64],
 ) -> Result<()> {
-    if trials.len() != out.len() {
-        return Err(Error::invalid("out", "must be as long as the trials"));
-    }
+    let begun = |i: usize| potential.starts[i].is_some();
+    potential.checks.trials(trials, out.len(), begun)?;
     let instances = potential.starts.len();
     let most = potential.options.trials.max(1);
     for (trials, out) in trials.chunks(most).zip(out.chunks_mut(most)) {
@@ -24,8 +23,6 @@ pub(super) async fn energy_differences(
         // First the trials, then the bases they are measured from, each base once.
         let mut bases: Vec<&Trial<'_>> = Vec::new();
         for trial in trials {
-            potential.check_state(trial.base)?;
-            potential.check_state(trial.state)?;
             let Start {
                 origin,
                 batch_state,

@@ -17,13 +17,11 @@ pub(super) async fn evaluate(
     active: &[bool],
     out: &mut [Evaluation],
 ) -> Result<()> {
-    potential.check_length("states", states.len())?;
-    potential.check_length("active", active.len())?;
-    potential.check_length("out", out.len())?;
+    let begun = |i: usize| potential.starts[i].is_some();
+    (potential.checks).states(states, active, out.len(), begun)?;
     let instances = potential.starts.len();
     potential.clear_uploads();
     for (i, state) in states.iter().enumerate().filter(|(i, _)| active[*i]) {
-        potential.check_state(state)?;
         let Start {
             origin,
             current,

@@ -4,14 +4,13 @@ use super::dispatch::Batch;
 use super::potential::GpuPotential;
 use super::shared::{BatchState, SkinVertex};
 use super::stage::Stage;
+use crate::Result;
 use crate::model::State;
-use crate::{Error, Result};
 use glam::{DVec3, Vec3};
 
 /// Positions and normals of every instance's skin, into the buffer that is drawn from.
 pub(super) async fn pose_skin(potential: &mut GpuPotential, states: &[State]) -> Result<()> {
-    potential.check_length("states", states.len())?;
-    states.iter().try_for_each(|s| potential.check_state(s))?;
+    potential.checks.poses(states)?;
     let instances = potential.starts.len();
     potential.clear_uploads();
     for (i, state) in states.iter().enumerate() {
@@ -49,12 +48,7 @@ pub(super) async fn read_skin(
     positions: &mut Vec<DVec3>,
     normals: &mut Vec<DVec3>,
 ) -> Result<()> {
-    if instance >= potential.starts.len() {
-        return Err(Error::invalid(
-            "instance",
-            format!("{instance} is not there"),
-        ));
-    }
+    potential.checks.instance(instance)?;
     let range = potential.skin_range(instance);
     let bytes = range.end - range.start;
     if bytes == 0 {

@@ -11,6 +11,7 @@ use super::tables::Tables;
 use crate::gpu::Readback;
 use crate::model::{Avatar, State};
 use crate::potential::BlockPattern;
+use crate::potential::checks::Checks;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::ops::Range;
@@ -39,8 +40,7 @@ pub struct GpuPotential {
     pub(super) name: String,
     pub(super) avatar: Arc<Avatar>,
     pub(super) pattern: BlockPattern,
-    /// Frames that may carry colliders.
-    pub(super) body_frames: Vec<u32>,
+    pub(super) checks: Checks,
     /// Whether any collider has had friction so far.
     pub(super) has_friction: bool,
     pub(super) options: GpuOptions,
@@ -100,7 +100,7 @@ impl GpuPotential {
             colliders: Vec::with_capacity(options.colliders),
             features: Vec::with_capacity(buffers.common.pose_features.len()),
             pattern: tables.pattern,
-            body_frames: avatar.body_frames(),
+            checks: Checks::new(&avatar, instances),
             has_friction: false,
             name: device.adapter_info().name,
             device: device.clone(),

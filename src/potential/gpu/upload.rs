@@ -8,27 +8,6 @@ use crate::{Error, Result};
 use glam::DVec3;
 
 impl GpuPotential {
-    pub(super) fn check_length(&self, field: &str, length: usize) -> Result<()> {
-        let instances = self.starts.len();
-        if length == instances {
-            return Ok(());
-        }
-        Err(Error::invalid(
-            field,
-            format!("{length} given for {instances} instances"),
-        ))
-    }
-
-    pub(super) fn check_state(&self, state: &State) -> Result<()> {
-        if state.space() != self.avatar.space() {
-            return Err(Error::invalid("state", "is of another avatar"));
-        }
-        if !state.is_finite() {
-            return Err(Error::NotFinite { quantity: "state" });
-        }
-        Ok(())
-    }
-
     pub(super) fn start(&self, instance: usize) -> Result<&Start> {
         (self.starts.get(instance))
             .and_then(Option::as_ref)

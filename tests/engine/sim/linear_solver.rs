@@ -22,7 +22,12 @@ fn definite(pattern: &BlockPattern, contrast: f64, diagonal: f64) -> Vec<[f64; 9
     let mut touched = Vec::new();
     let bones = 2 * pattern.space().frames as u32;
     for i in 0..avatar.cubature.len() {
-        supple::potential::point_blocks(pattern.space(), &avatar.cubature, i, &mut touched);
+        supple::internal::features::point_blocks(
+            pattern.space(),
+            &avatar.cubature,
+            i,
+            &mut touched,
+        );
         touched.sort_unstable();
         let jacobians: Vec<_> = touched
             .iter()

@@ -78,7 +78,7 @@ fn under_gravity_a_captured_shape_stays_and_joints_sag_little() -> Result<()> {
     let [a, b] = [&skeleton, state].map(|q| support::posed(&avatar, &avatar.skin, q));
     let error = support::largest_distance(&a, &b);
     assert!(error < 1e-6, "{error:e} m off linear blend skinning");
-    let gap = supple::skeleton::joint_gap(&avatar.skeleton, &state.frames);
+    let gap = supple::internal::skeleton::joint_gap(&avatar.skeleton, &state.frames);
     let turned = state
         .frames
         .iter()

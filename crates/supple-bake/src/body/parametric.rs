@@ -2,7 +2,10 @@
 
 use glam::{DMat3, DVec3};
 use supple::internal::math::Rows;
-use supple::model::{Frame, Skeleton, SkinWeight, pose_feature};
+use supple::{
+    internal::features::pose_feature,
+    model::{Frame, Skeleton, SkinWeight},
+};
 
 /// A linear-blend-skinned surface with shape and pose blend shapes.
 ///

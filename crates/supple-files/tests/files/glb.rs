@@ -3,10 +3,13 @@
 use supple::collider::Shape;
 use supple::internal::math::Rows;
 use supple::internal::{random_avatar, random_state};
-use supple::model::{Avatar, Frame, SkinWeight, State, pose_feature};
 use supple::{
     glam,
     glam::{DMat4, DQuat, DVec3, Vec3},
+};
+use supple::{
+    internal::features::pose_feature,
+    model::{Avatar, Frame, SkinWeight, State},
 };
 use supple_files::solid_surface;
 use supple_files::{GlbReport, Prop, Recording, write_glb};

@@ -7,9 +7,12 @@ use supple::collider::Collider;
 use supple::glam::DVec3;
 use supple::internal::math::Random;
 use supple::internal::random_state;
-use supple::model::{Avatar, Frame, State, Surface, pose_feature};
 use supple::potential::{Evaluation, Potential, StepStart};
 use supple::{internal::cpu::min_det_f, potential::CpuPotential};
+use supple::{
+    internal::features::pose_feature,
+    model::{Avatar, Frame, State, Surface},
+};
 
 /// Skin vertex `v` with x̄ of the pose `frames`, written out.
 pub fn posed(avatar: &Avatar, v: usize, frames: &[Frame], state: &State) -> DVec3 {

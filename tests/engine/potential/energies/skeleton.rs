@@ -6,9 +6,12 @@ use supple::internal::cpu::HessianForm;
 use supple::internal::math::{Random, rotation_exp};
 use supple::internal::random_avatar;
 use supple::model::{Avatar, Frame, JointRange};
-use supple::skeleton::{
-    Bending, BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointLimit,
-    JointSpring, LimitSpring, Spring, TissueMoments, Tracking, TrackingSpring,
+use supple::{
+    internal::skeleton::{
+        BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring,
+        LimitSpring, TissueMoments, TrackingSpring,
+    },
+    skeleton::{Bending, JointLimit, Spring, Tracking},
 };
 
 const BONES: usize = 3;

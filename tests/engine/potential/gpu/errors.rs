@@ -2,10 +2,13 @@
 
 use super::case::{case, device, potential, start};
 use std::sync::Arc;
-use supple::gpu::{AdapterChoice, AdapterKind, Bindings, GpuDevice, Module, adapters};
 use supple::internal::random_avatar;
 use supple::potential::{Evaluation, Potential, StepStart};
 use supple::{Error, GpuError};
+use supple::{
+    gpu::{AdapterChoice, AdapterKind, GpuDevice, adapters},
+    internal::gpu_plumbing::{Bindings, Module},
+};
 use supple::{
     internal::gpu::Sources,
     potential::{GpuOptions, GpuPotential},

@@ -13,8 +13,8 @@ use supple::internal::cpu::contact::{
 };
 use supple::internal::cpu::displacement::{arms, blended_rotation, unposed_displacement};
 use supple::internal::cpu::friction as friction_twin;
+use supple::internal::features::point_blocks;
 use supple::internal::gpu::shared;
-use supple::potential::point_blocks;
 
 /// The rows of the evaluated state, as the device listed them.
 pub fn listed(scene: &Scene) -> Vec<ContactRow> {

@@ -11,9 +11,9 @@ use supple::internal::cpu::gradient::{gradient as gradient_twin, point_force};
 use supple::internal::cpu::hessian::{ContactRows, gather_blocks, gather_contacts};
 use supple::internal::cpu::point_hessian::{PointTerms, PointView, point_hessian as hessian_twin};
 use supple::internal::cpu::{Basis, Incidence};
+use supple::internal::features::point_blocks;
 use supple::internal::gpu::shared;
 use supple::internal::math::Mat9;
-use supple::potential::point_blocks;
 
 const PHASE: Phase = Phase::Evaluated;
 
