@@ -57,6 +57,14 @@ fn contact(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         // The collider's own frame: Rᵀ (p − c).
         let d = signed_distance(collider.shape, collider.parameters, (p - position) * rotation);
-        distances[first + k] = vec4(rotation * d.normal, collider.margin - d.distance);
+        var depth = collider.margin - d.distance;
+        // What was left out at the step's start stays out.
+        if (!is_start(state.slot, state.instance)) {
+            let start = distances[first_distance(state.instance, i, state.colliders) + k].w;
+            if (is_left_out(start)) {
+                depth = left_out(depth);
+            }
+        }
+        distances[first + k] = vec4(rotation * d.normal, depth);
     }
 }

@@ -13,6 +13,7 @@ struct PartialEnergy {
     force: vec3<f32>,  // of the contacts on the skin, N
     contact: f32,
     friction: f32,
+    left_out: f32,     // contacts for which there was no room
 }
 
 struct Summary {
@@ -43,7 +44,7 @@ struct Summary {
 fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
     return PartialEnergy(
         a.inertia + b.inertia, a.gravity + b.gravity, a.elastic + b.elastic, a.damping + b.damping,
-        a.force + b.force, a.contact + b.contact, a.friction + b.friction,
+        a.force + b.force, a.contact + b.contact, a.friction + b.friction, a.left_out + b.left_out,
     );
 }
 
@@ -159,6 +160,7 @@ fn contact_energy(
                 * points[i].measure;
             mine.contact += 0.5 * stiffness * (depth - base_depth) * (depth + base_depth);
             mine.force += stiffness * depth * here.xyz;
+            mine.left_out += f32(touches_but_is_left_out(here.w));
         }
     }
     let lagged_contacts = min(lagged[lagged_header(state.instance)].vertex, constants.contacts);

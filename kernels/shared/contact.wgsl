@@ -35,6 +35,21 @@ fn contact_header(thread: u32) -> u32 {
     return thread * (row_room() + 1u);
 }
 
+// In place of the δ of a pair that is left out: no distance is so small. Where the pair touches it is twice that.
+const LEFT_OUT = -1e38;
+
+fn left_out(depth: f32) -> f32 {
+    return select(LEFT_OUT, 2.0 * LEFT_OUT, depth > 0.0);
+}
+
+fn is_left_out(depth: f32) -> bool {
+    return depth < 0.5 * LEFT_OUT;
+}
+
+fn touches_but_is_left_out(depth: f32) -> bool {
+    return depth < 1.5 * LEFT_OUT;
+}
+
 // Distances are kept as (n, δ), vertex after vertex, the colliders of one vertex in a row.
 fn first_distance(slot: u32, vertex: u32, colliders: u32) -> u32 {
     return slot * constants.points * constants.colliders + vertex * colliders;

@@ -109,6 +109,8 @@ pub struct Evaluation {
     pub contact_force: DVec3,
     /// Active contacts.
     pub contacts: usize,
+    /// Contacts for which the implementation has no room: the least deep at the step's start.
+    pub contacts_left_out: usize,
 }
 
 /// A state to be compared with an instance's base state.

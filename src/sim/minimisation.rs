@@ -77,6 +77,7 @@ impl Minimisation {
         report.skeleton_energies = skeleton_energies;
         report.contact_force = evaluation.contact_force;
         report.contacts = evaluation.contacts;
+        report.contacts_left_out = evaluation.contacts_left_out;
         Ok(())
     }
 }

@@ -83,6 +83,10 @@ pub struct InstanceReport {
     pub contact_force: DVec3,
     /// Active contacts there.
     pub contacts: usize,
+    /// Contacts there for which the evaluation has no room ([`Evaluation::contacts_left_out`]).
+    ///
+    /// [`Evaluation::contacts_left_out`]: crate::potential::Evaluation::contacts_left_out
+    pub contacts_left_out: usize,
     /// Largest distance between the two sides of a joint, m.
     pub max_joint_gap: f64,
     /// What targets and pins exert at the step's end, to first order in the last Newton step.
@@ -105,6 +109,7 @@ impl Default for InstanceReport {
             skeleton_energies: SkeletonEnergies::default(),
             contact_force: DVec3::ZERO,
             contacts: 0,
+            contacts_left_out: 0,
             max_joint_gap: 0.0,
             loads: Vec::new(),
             weight: DVec3::ZERO,

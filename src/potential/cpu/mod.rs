@@ -33,6 +33,7 @@ pub mod pose_blend;
 mod pose_columns;
 mod pose_skin;
 mod posed_skin;
+pub mod select;
 pub mod skin;
 
 pub use crate::potential::HessianForm;

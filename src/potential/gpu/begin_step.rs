@@ -28,6 +28,9 @@ pub(super) async fn begin_step(
         }
         // Once there was friction, every start's list is made anew.
         potential.has_friction |= start.colliders.iter().any(|c| c.friction > 0.0);
+        // Likewise once more pairs might touch than there is room for.
+        let pairs = start.colliders.len() * potential.avatar.skin.len();
+        potential.selects |= pairs > potential.options.contacts;
     }
     potential.batch.clear();
     potential.features.clear();
@@ -80,7 +83,7 @@ pub(super) async fn begin_step(
     }
     (potential.buffers.common.pose_features).write(&potential.queue, 0, &potential.features);
     let batch = Batch::whole(potential.batch.len());
-    let has_friction = potential.has_friction;
+    let (has_friction, selects) = (potential.has_friction, potential.selects);
     let damped = potential.avatar.damping_time > 0.0;
     // Usually a step starts from the pose that the skin was just posed in: then x̄ of the skin is there already.
     let posed = is_posed(potential);
@@ -98,8 +101,14 @@ pub(super) async fn begin_step(
                 stages.elasticity.dispatch(pass, batch);
             }
             stages.contact.dispatch(pass, batch);
+            if selects {
+                stages.select.dispatch(pass, batch);
+            }
             if has_friction {
                 stages.contact.dispatch_lagged(pass, batch);
+                if selects {
+                    stages.select.dispatch_lagged(pass, batch);
+                }
                 stages.friction.dispatch_lag(pass, batch);
             }
         },

@@ -7,7 +7,7 @@ use super::shared::{BatchState, Summary};
 use super::stage::Stage;
 use crate::model::State;
 use crate::potential::{Energies, Evaluation};
-use crate::{Error, GpuError, Result};
+use crate::{Error, Result};
 use glam::Vec3;
 
 /// Every active state, from its instance's start.
@@ -91,21 +91,15 @@ pub(super) async fn evaluate(
             },
         );
     }
-    let (dofs, capacity) = (potential.avatar.space().dofs(), potential.options.contacts);
+    let dofs = potential.avatar.space().dofs();
     let batch = &potential.batch;
     let unpack =
         |bytes: &[u8]| {
             let (results, contacts) = bytes.split_at(contacts_at as usize);
             let (summaries, results) = results.split_at(summary_bytes as usize);
             let mut found = Vec::with_capacity(count);
-            for (batch_state, bytes) in batch
-                .iter()
-                .zip(summaries.chunks_exact(size_of::<Summary>()))
-            {
-                let summary: Summary = bytemuck::pod_read_unaligned(bytes);
-                check_contacts(&summary, batch_state.instance, capacity)?;
-                found.push(summary);
-            }
+            let summaries = summaries.chunks_exact(size_of::<Summary>());
+            found.extend(summaries.map(bytemuck::pod_read_unaligned::<Summary>));
             if !results.chunks_exact(4).all(|b| float(b).is_finite()) {
                 return Err(Error::NotFinite {
                     quantity: "gradient or Hessian of the tissue",
@@ -117,6 +111,7 @@ pub(super) async fn evaluate(
                 evaluation.energies = energies(summary)?;
                 evaluation.contact_force = Vec3::from_array(summary.energy.force).as_dvec3();
                 evaluation.contacts = summary.contacts as usize;
+                evaluation.contacts_left_out = summary.energy.left_out as usize;
                 let (gradient, hessian) =
                     results[4 * b * stride..4 * (b + 1) * stride].split_at(4 * dofs);
                 evaluation.gradient.clear();
@@ -141,20 +136,6 @@ pub(super) async fn evaluate(
 
 fn float(bytes: &[u8]) -> f32 {
     bytemuck::pod_read_unaligned(bytes)
-}
-
-fn check_contacts(summary: &Summary, instance: u32, capacity: usize) -> Result<()> {
-    let found = summary.contacts.max(summary.lagged);
-    if found as usize <= capacity {
-        return Ok(());
-    }
-    Err(GpuError::Limit {
-        what: format!("active contacts of instance {instance}"),
-        needed: u64::from(found),
-        limit: capacity as u64,
-        cure: "raise GpuOptions::contacts",
-    }
-    .into())
 }
 
 /// The energies, if they are finite.

@@ -35,6 +35,7 @@ mod hessian;
 mod normals;
 mod point_hessian;
 mod pose_blend;
+mod select;
 mod skin;
 mod stage;
 mod stages;

@@ -10,7 +10,7 @@ pub struct GpuOptions {
     pub colliders: usize,
     /// Different meshes that colliders may be of, in all instances; 432 KiB each.
     pub meshes: usize,
-    /// Active contacts an instance may have; more are an error.
+    /// Active contacts an instance may have; of more, the deepest at a step's start are kept through the step.
     pub contacts: usize,
     /// Trials of a line search that go in one submission; more take several.
     pub trials: usize,

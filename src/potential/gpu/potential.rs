@@ -43,6 +43,8 @@ pub struct GpuPotential {
     pub(super) checks: Checks,
     /// Whether any collider has had friction so far.
     pub(super) has_friction: bool,
+    /// Whether more pairs of vertex and collider than there is room for might have touched so far.
+    pub(super) selects: bool,
     pub(super) options: GpuOptions,
     pub(super) buffers: Buffers,
     pub(super) stages: Stages,
@@ -102,6 +104,7 @@ impl GpuPotential {
             pattern: tables.pattern,
             checks: Checks::new(&avatar, instances),
             has_friction: false,
+            selects: false,
             name: device.adapter_info().name,
             device: device.clone(),
             queue: queue.clone(),

@@ -269,17 +269,19 @@ host_shareable! {
         pub contact: f32,
         /// Σ μ λ f₀(|u_T|).
         pub friction: f32,
+        /// Contacts for which there was no room.
+        pub left_out: f32,
         /// Padding.
-        pub _pad: [u32; 3],
+        pub _pad: [u32; 2],
     }
 
     /// What is read back of every state (kernels/energy.wgsl).
     pub struct Summary {
         /// The sums.
         pub energy: PartialEnergy,
-        /// Active contacts found, also where there was no room for them.
+        /// Active contacts.
         pub contacts: u32,
-        /// Contacts of the step's start that have friction, likewise.
+        /// Contacts of the step's start that have friction.
         pub lagged: u32,
         /// Padding.
         pub _pad: [u32; 2],

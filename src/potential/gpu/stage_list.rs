@@ -11,6 +11,7 @@ macro_rules! with_stages {
             displacement: Displacement,
             elasticity: Elasticity,
             contact: Contact,
+            select: Select,
             friction: Friction,
             compact: Compact,
             gradient: Gradient,

@@ -103,6 +103,16 @@ const MUTANTS: &[Mutant] = &[
     ("contact", "collider/box.wgsl", "out.normal * side", "out.normal"),
     ("contact", "collider/box.wgsl", "abs(p) - parameters.xyz", "abs(p) - parameters.zyx"),
     ("contact", "shared/contact.wgsl", "slot * constants.points * constants.colliders", "slot * constants.points"),
+    // select
+    ("select", "select.wgsl", "var room = constants.contacts", "var room = constants.contacts + 1u"),
+    ("select", "select.wgsl", "key <= prefix", "key < prefix"),
+    ("select", "select.wgsl", "bits | 0x80000000u, ~bits", "~bits, bits | 0x80000000u"),
+    ("select", "select.wgsl", "24u - 8u * byte", "24u - 8u * min(byte, 2u)"),
+    ("select", "select.wgsl", "room = here.y", "room = constants.contacts"),
+    ("select", "select.wgsl", "(key & mask) == prefix", "true"),
+    ("select", "select.wgsl", "0u, all(d == vec4(0.0))", "0u, false"),
+    ("select", "contact.wgsl", "if (is_left_out(start))", "if (false)"),
+    ("select", "shared/contact.wgsl", "2.0 * LEFT_OUT, depth > 0.0", "2.0 * LEFT_OUT, depth < 0.0"),
     // friction
     ("friction", "friction.wgsl", "collider.friction * force", "force"),
     ("friction", "friction.wgsl", "points[vertex].measure * d.w * slope", "points[vertex].measure * d.w"),

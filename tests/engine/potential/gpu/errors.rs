@@ -56,19 +56,6 @@ fn what_goes_wrong_has_a_type() {
     ));
     assert!(matches!(error, GpuError::Limit { .. }), "{error}");
 
-    let narrow = GpuOptions {
-        contacts: 2,
-        ..GpuOptions::default()
-    };
-    let mut on_device = potential(&gpu, &avatar, 1, narrow);
-    pollster::block_on(on_device.begin_step(&[start(&case)], &[true])).unwrap();
-    let error = gpu_error(pollster::block_on(on_device.evaluate(
-        &state,
-        &[true],
-        &mut out,
-    )));
-    assert!(matches!(error, GpuError::Limit { limit: 2, .. }), "{error}");
-
     let sources = Sources::new(&avatar.material)
         .edited("displacement.wgsl", "fn displacement(", "fn displacement((")
         .unwrap();

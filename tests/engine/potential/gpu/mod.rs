@@ -3,6 +3,7 @@
 
 mod case;
 mod errors;
+mod few_contacts;
 
 use case::{Case, Outcome, case, device, joined, potential, run, start};
 use std::sync::Arc;

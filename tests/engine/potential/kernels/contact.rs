@@ -19,6 +19,11 @@ pub fn distances(scene: &Scene, phase: Phase, slot: usize) -> Vec<[f32; 4]> {
     all
 }
 
+/// Whether kernel `select` marked a δ: no distance is so small.
+pub fn is_left_out(depth: f32) -> bool {
+    depth < -0.5e38
+}
+
 /// d is 1-Lipschitz: its error is that of the point in the collider's frame (as the skin's, p − c and a row of
 /// R: 4) and of the shape's own lengths (12, square root and division being of 2.5 ulp). n turns by the
 /// curvature ∇²d times the same, and is rotated back (3).
@@ -51,7 +56,9 @@ pub fn contact(scene: &Scene) -> Outcome {
                 let magnitude = local.element_sum() + f64::from(sizes) + collider.margin;
                 // A row of R_c R and of R_c p + c: 4 more.
                 let roundings = skin_roundings(set, i) + 4 + 12 + 4;
-                out.number(f64::from(depth).max(0.0), want.depth, magnitude, roundings);
+                if !is_left_out(depth) {
+                    out.number(f64::from(depth).max(0.0), want.depth, magnitude, roundings);
+                }
                 let curvature = collider.curvature(&place, p).to_cols_array();
                 let curvature = curvature.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let magnitude = DVec3::splat(2.0 + magnitude * curvature);
@@ -63,7 +70,7 @@ pub fn contact(scene: &Scene) -> Outcome {
 }
 
 /// Rotation and position of a collider's place with all signs plus.
-fn abs_place(collider: &Collider, frames: &[Frame]) -> (DMat3, DVec3) {
+pub fn abs_place(collider: &Collider, frames: &[Frame]) -> (DMat3, DVec3) {
     let (r, p) = (abs(collider.frame.rotation), collider.frame.position.abs());
     match collider.body {
         None => (r, p),

@@ -9,6 +9,7 @@ pub mod input;
 pub mod material;
 pub mod points;
 pub mod scene;
+pub mod select;
 pub mod sums;
 
 use bound::Outcome;
@@ -23,6 +24,7 @@ pub const CHECKS: &[Check] = &[
     ("displacement", points::displacement),
     ("elasticity", points::elasticity),
     ("contact", contact::contact),
+    ("select", select::select),
     ("friction", friction::friction),
     ("compact", compact::compact),
     ("gradient", sums::gradient),
