@@ -27,7 +27,7 @@
 //!
 //! | rank | modules | what lives there |
 //! |---|---|---|
-//! | 0 | [`error`], `math`, `gpu` | plumbing that knows no physics |
+//! | 0 | [`error`], `field_path`, `math`, `gpu` | plumbing that knows no physics |
 //! | 1 | [`model`], [`material`], [`collider`] | what an avatar is, what it is made of, what it touches |
 //! | 2 | [`file`](mod@file), [`potential`], [`skeleton`], `random_avatar` | the baked file, the tissue's energy and its two evaluations, the bones' own energies |
 //! | 3 | [`sim`] | the step |

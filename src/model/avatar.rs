@@ -158,13 +158,9 @@ impl Avatar {
         let (nodes, tets) = (layer.mesh.nodes.len(), layer.mesh.tets.len());
         layer.skinning.validate("layer.skinning", nodes)?;
         layer.basis.validate("layer.basis", nodes)?;
-        let embedded = match layer.is_empty() {
-            true => 0,
-            false => self.tissue_vertices(),
-        };
-        layer
-            .skin_embedding
-            .validate("layer.skin_embedding", embedded)?;
+        if !(layer.is_empty() && layer.skin_embedding.is_empty()) {
+            (layer.skin_embedding).validate("layer.skin_embedding", self.tissue_vertices())?;
+        }
         self.attached.validate("attached", self.attached.len())?;
         (self.render_meshes.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
         let check = |ok: bool, field: &str, problem: &str| {

@@ -53,11 +53,11 @@ impl StepStart<'_> {
             ));
         }
         for (i, collider) in self.colliders.iter().enumerate() {
-            let field = format!("colliders[{i}]");
-            collider.validate().map_err(|e| e.within(&field))?;
+            let field = || format!("colliders[{i}]");
+            collider.validate().map_err(|e| e.within(&field()))?;
             if let Some(body) = collider.body.filter(|c| !body_frames.contains(c)) {
                 return Err(Error::invalid(
-                    format!("{field}.body"),
+                    format!("{}.body", field()),
                     format!(
                         "frame {body} cannot carry a collider: only frames without a parent \
                          that move no tissue can"

@@ -19,7 +19,7 @@ use supple::Result;
 /// Reads the motion at `path`.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Format`] with the key, what was expected and what was found.
+/// [`supple::Error::Io`]; [`supple::Error::Format`] with the key, what was expected and what was found.
 pub fn read_amass(path: impl AsRef<Path>) -> Result<MotionClip> {
     let path = path.as_ref();
     parse_amass(&file::read_bytes(path)?, path)

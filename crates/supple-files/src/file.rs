@@ -27,7 +27,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of the scene or recipe at `path`; errors as [`read_bytes`]'s, and where it is no text.
+/// The text of the scene or recipe at `path`; errors where it cannot be read, is larger than 1 GiB, or is no text.
 pub fn read_toml_text(path: &Path) -> Result<String> {
     String::from_utf8(read_bytes(path)?).map_err(|_| {
         let problem = "is not a TOML file; a character or a baked avatar is named in one: [avatar] file = \"…\"";
@@ -35,7 +35,7 @@ pub fn read_toml_text(path: &Path) -> Result<String> {
     })
 }
 
-/// The text of the file at `path`; errors as [`read_bytes`]'s, and where it is not UTF-8.
+/// The text of the file at `path`; errors where it cannot be read, is larger than 1 GiB, or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read_bytes(path)?).map_err(|e| {
         let at = format!("byte {}", e.utf8_error().valid_up_to());

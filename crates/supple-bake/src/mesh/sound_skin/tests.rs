@@ -7,7 +7,7 @@ use glam::DVec3;
 use supple::collider::Shape;
 use supple::model::Surface;
 
-/// A capsule along x around (0.03, 0, 0).
+/// A capsule along x around (0.03, 0, 0), bent, so that no two facets lie in one plane.
 fn finger() -> Surface {
     let capsule = Shape::Capsule {
         radius: 0.008,
@@ -15,7 +15,7 @@ fn finger() -> Surface {
     };
     let mut surface = capsule.sampled(600).unwrap();
     for p in &mut surface.positions {
-        *p = DVec3::new(0.03 + p.z, p.x, p.y);
+        *p = DVec3::new(0.03 + p.z, p.x + 3.0 * p.z * p.z, p.y + 20.0 * p.z * p.x);
     }
     surface
 }

@@ -57,7 +57,13 @@ pub fn tets() -> Vec<Vec<u8>> {
 pub fn scenes() -> Vec<Vec<u8>> {
     let names = ["finger_press", "bone_press_s"];
     names
-        .map(|n| std::fs::read(format!("assets/scenes/{n}.toml")).unwrap())
+        .map(|n| {
+            std::fs::read(format!(
+                "{}/../../assets/scenes/{n}.toml",
+                env!("CARGO_MANIFEST_DIR")
+            ))
+            .unwrap()
+        })
         .to_vec()
 }
 
