@@ -8,8 +8,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, State};
-use supple::potential::CpuPotential;
-use supple::potential::{Evaluation, Potential, StepStart, Trial};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, Trial};
 
 const BONES: usize = 16;
 const HANDLES: usize = 87;

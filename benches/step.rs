@@ -6,14 +6,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::sync::Arc;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
-use supple::potential::{GpuOptions, GpuPotential};
+use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
 use supple::sim::Simulation;
-use supple_bake::bake;
-use supple_bake::full_space_simulation;
-use supple_scene::Driver;
-use supple_scene::{Scene, read_scene};
+use supple_bake::{bake, full_space_simulation};
+use supple_scene::{Driver, Scene, read_scene};
 
 fn scene(name: &str) -> Scene {
     read_scene(format!("assets/scenes/{name}.toml")).expect("a committed scene")

@@ -8,8 +8,7 @@ use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, State};
-use supple::potential::{Evaluation, Potential, StepStart};
-use supple::potential::{GpuOptions, GpuPotential};
+use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, StepStart};
 
 const STEPS: usize = 200;
 

@@ -6,8 +6,7 @@
 use std::path::Path;
 use supple::glam::DVec3;
 use supple::model::{Surface, TetMesh};
-use supple_bake::Body;
-use supple_bake::{Mesher, Softness};
+use supple_bake::{Body, Mesher, Softness};
 use supple_files::{CharacterOptions, read_character};
 use supple_pictures::{Camera, Mesh, Plane, View, colour_map, from_srgb, render};
 

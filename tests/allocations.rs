@@ -8,8 +8,7 @@ use supple::internal::math::in_pool;
 use supple::potential::CpuPotential;
 use supple::sim::{Simulation, StepReport};
 use supple_bake::bake;
-use supple_scene::Driver;
-use supple_scene::read_scene;
+use supple_scene::{Driver, read_scene};
 
 /// The system's allocator, counting what all threads ask of it.
 struct Counting;

@@ -14,8 +14,7 @@ use supple::sim::{Instance, Pin, Simulation};
 use supple::skeleton::Tracking;
 use supple_bake::bake;
 use supple_samples::Sample;
-use supple_scene::Driver;
-use supple_scene::{AvatarSource, Scene, avatar_source_of, read_scene};
+use supple_scene::{AvatarSource, Driver, Scene, avatar_source_of, read_scene};
 
 const STEPS: usize = 200;
 

@@ -5,21 +5,17 @@ use super::{Bound, Figure, Page, Runner};
 use glam::DVec3;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
-use supple::internal::cpu::skin_displacement;
+use supple::internal::cpu::{min_det_f, skin_displacement};
 use supple::internal::math::Stopwatch;
 use supple::model::{Avatar, State};
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::{Settings, Simulation, SolverMode};
 use supple::{Error, Result};
-use supple::{internal::cpu::min_det_f, potential::CpuPotential};
 use supple_bake::math::NearestPoint;
 use supple_bake::subspace::{Subspace, modal};
 use supple_bake::without_tissue;
-use supple_pictures::ColourScale;
-use supple_pictures::Curves;
-use supple_scene::Driver;
-use supple_scene::Scene;
-use supple_scene::SceneCollider;
+use supple_pictures::{ColourScale, Curves};
+use supple_scene::{Driver, Scene, SceneCollider};
 
 /// See [`draw_hand`].
 pub const HAND: Figure = Figure {

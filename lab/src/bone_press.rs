@@ -6,15 +6,14 @@ use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
-use supple::internal::cpu::skin_displacement;
+use supple::internal::cpu::{min_det_f, skin_displacement};
 use supple::model::{Avatar, Frame, State};
+use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
-use supple::{internal::cpu::min_det_f, potential::CpuPotential};
 use supple_bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake};
 use supple_pictures::Curves;
 use supple_samples::Limb;
-use supple_scene::Scene;
-use supple_scene::SceneRun;
+use supple_scene::{Scene, SceneRun};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

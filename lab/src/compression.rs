@@ -8,11 +8,9 @@ use supple::Result;
 use supple::material::{Material, Orthotropic};
 use supple::model::{Avatar, State, Surface};
 use supple_bake::{HandleRegion, Recipe, bake};
-use supple_pictures::Curves;
-use supple_pictures::{Camera, ColourScale, Image, Legend, Mesh, Panel, from_srgb};
+use supple_pictures::{Camera, ColourScale, Curves, Image, Legend, Mesh, Panel, from_srgb};
 use supple_samples::Limb;
-use supple_scene::Scene;
-use supple_scene::SceneRun;
+use supple_scene::{Scene, SceneRun};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

@@ -6,15 +6,13 @@ use faer::{Mat, Side};
 use std::sync::Arc;
 use supple::Result;
 use supple::gpu::{AdapterChoice, GpuDevice};
+use supple::internal::cpu::Exact;
 use supple::model::{Avatar, State};
-use supple::potential::{GpuOptions, GpuPotential};
-use supple::potential::{HessianForm, Potential};
+use supple::potential::{CpuPotential, GpuOptions, GpuPotential, HessianForm, Potential};
 use supple::sim::{Instance, Iteration, Settings, Simulation, SolverMode, StepReport};
-use supple::{internal::cpu::Exact, potential::CpuPotential};
 use supple_bake::SparseCholesky;
 use supple_pictures::Curves;
-use supple_scene::Driver;
-use supple_scene::Scene;
+use supple_scene::{Driver, Scene};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

@@ -7,13 +7,11 @@ use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
 use supple::collider::Collider;
+use supple::internal::cpu::{Basis, min_det_f};
 use supple::internal::math::Stopwatch;
 use supple::model::{Avatar, State};
+use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation};
-use supple::{
-    internal::cpu::{Basis, min_det_f},
-    potential::CpuPotential,
-};
 use supple_bake::subspace::{Subspace, elastic_extension, harmonic_extension};
 use supple_bake::{CubatureRecipe, HandleRegion, Recipe, Truncation, all_tets};
 use supple_pictures::ColourScale;

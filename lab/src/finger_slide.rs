@@ -6,8 +6,7 @@ use supple::Result;
 use supple::collider::Collider;
 use supple::internal::cpu::{posed_skin, unposed_skin};
 use supple::model::{Avatar, State, Surface};
-use supple_pictures::Curves;
-use supple_pictures::{Camera, ColourScale, Legend, Mesh, Panel};
+use supple_pictures::{Camera, ColourScale, Curves, Legend, Mesh, Panel};
 use supple_scene::Scene;
 
 /// See [`draw`].

@@ -141,9 +141,9 @@ fn machine() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{check::Bound, runner::Size};
-    use supple_pictures::Curves;
-    use supple_pictures::Image;
+    use crate::check::Bound;
+    use crate::runner::Size;
+    use supple_pictures::{Curves, Image};
 
     fn good(_: &Runner) -> Result<Page> {
         let mut page = Page::new("a < b");

@@ -2,8 +2,7 @@
 
 use super::{Bound, Check};
 use serde::Serialize;
-use supple_pictures::Curves;
-use supple_pictures::Image;
+use supple_pictures::{Curves, Image};
 use supple_scene::Report;
 
 /// A figure's page: what is shown, in order, and what is checked.

@@ -9,14 +9,13 @@ use supple::Result;
 use supple::collider::Shape;
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame};
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
-use supple_bake::SparseCholesky;
+use supple::potential::{CpuPotential, Potential};
 use supple_bake::math::NearestPoint;
 use supple_bake::mesh::ShellOptions;
-use supple_bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake, full_space};
-use supple_pictures::ColourScale;
-use supple_pictures::Curves;
+use supple_bake::{
+    HandlePlace, HandleRegion, Recipe, SparseCholesky, Truncation, bake, full_space,
+};
+use supple_pictures::{ColourScale, Curves};
 use supple_samples::Finger;
 
 /// See [`draw`].

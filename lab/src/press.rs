@@ -4,13 +4,12 @@ use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
+use supple::internal::cpu::Basis;
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, State};
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::{LinearSolver, Pin, Settings, Simulation, SolverMode};
-use supple::{internal::cpu::Basis, potential::CpuPotential};
-use supple_bake::SparseCholesky;
-use supple_bake::{Recipe, full_space as in_full_space};
+use supple_bake::{Recipe, SparseCholesky, full_space as in_full_space};
 
 /// Radius of the sphere, m.
 const RADIUS: f64 = 0.03;

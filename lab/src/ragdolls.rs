@@ -7,8 +7,7 @@ use supple::Result;
 use supple::internal::cpu::mechanics;
 use supple::model::{Avatar, State};
 use supple_pictures::Curves;
-use supple_scene::Scene;
-use supple_scene::SceneRun;
+use supple_scene::{Scene, SceneRun};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

@@ -10,11 +10,8 @@ use supple::collider::Shape;
 use supple::model::Avatar;
 use supple::sim::SolverMode;
 use supple_bake::{CubatureRecipe, HandlePlace, HandleRegion, Truncation, all_tets};
-use supple_pictures::Curves;
-use supple_pictures::picture_strip;
-use supple_scene::Focus;
-use supple_scene::Scene;
-use supple_scene::SceneRun;
+use supple_pictures::{Curves, picture_strip};
+use supple_scene::{Focus, Scene, SceneRun};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

@@ -4,8 +4,7 @@ use super::{Bound, Figure, Page, Runner};
 use std::sync::Arc;
 use supple::Result;
 use supple_bake::without_tissue;
-use supple_scene::Scene;
-use supple_scene::SceneRun;
+use supple_scene::{Scene, SceneRun};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

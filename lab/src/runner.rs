@@ -11,8 +11,9 @@ use supple_pictures::{
     Camera, Image, Legend, Mesh, Panel, Plane, Strip, View, from_srgb, picture_strip, render,
 };
 use supple_samples::Sample;
-use supple_scene::{AvatarSource, Scene, load_avatar, read_scene};
-use supple_scene::{SceneRun, run_full_space, run_scene};
+use supple_scene::{
+    AvatarSource, Scene, SceneRun, load_avatar, read_scene, run_full_space, run_scene,
+};
 
 /// How much a figure may cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,8 +8,7 @@ use supple::sim::SolverMode;
 use supple::{Error, Result};
 use supple_pictures::Curves;
 use supple_samples::Sample;
-use supple_scene::Scene;
-use supple_scene::SceneRun;
+use supple_scene::{Scene, SceneRun};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

@@ -14,7 +14,6 @@ use supple::sim::{Settings, Simulation, SolverMode};
 use supple::skeleton::Tracking;
 use supple_bake::ParametricModel;
 use supple_pictures::{Camera, ColourScale, Legend, Mesh, Panel};
-use supple_samples;
 use supple_samples::Sample;
 
 /// See [`draw`].

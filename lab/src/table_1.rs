@@ -4,14 +4,12 @@ use super::{Bound, Figure, Page, Runner};
 use std::sync::Arc;
 use supple::Result;
 use supple::model::Avatar;
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::{Simulation, Timings};
 use supple_bake::full_space_simulation;
 use supple_bake::subspace::modal;
 use supple_pictures::Curves;
-use supple_scene::Driver;
-use supple_scene::Scene;
+use supple_scene::{Driver, Scene};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

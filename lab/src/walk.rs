@@ -9,9 +9,7 @@ use supple::Result;
 use supple::model::{Avatar, Frame};
 use supple::sim::{Instance, SolverMode};
 use supple_pictures::Curves;
-use supple_scene::Scene;
-use supple_scene::read_motion;
-use supple_scene::{Driver, SceneRun};
+use supple_scene::{Driver, Scene, SceneRun, read_motion};
 
 /// See [`draw`].
 pub const FIGURE: Figure = Figure {

@@ -1,13 +1,11 @@
 //! Terms of the skeleton against their own definitions.
 
 use supple::glam::DVec3;
+use supple::internal::features::pose_feature;
 use supple::internal::math::Random;
 use supple::internal::random_avatar;
 use supple::internal::skeleton::{BoneInertia, FrameGravity, FrameTerm, TissueMoments};
-use supple::{
-    internal::features::pose_feature,
-    model::{Avatar, Frame},
-};
+use supple::model::{Avatar, Frame};
 
 const BONES: usize = 3;
 const TIME_STEP: f64 = 0.01;

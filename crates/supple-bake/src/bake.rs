@@ -7,14 +7,11 @@ use super::report::{
     AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport, peak_memory,
 };
 use super::{Recipe, set_limits};
-use crate::basis::BiharmonicSystem;
-use crate::basis::{basis_at_tets, basis_on_skin, skinning_at_tets};
+use crate::basis::{BiharmonicSystem, basis_at_tets, basis_on_skin, skinning_at_tets};
 use crate::body::Body;
 use crate::bones::bone_masses;
 use crate::cubature::{Cubature, Tissue};
-use crate::handles::Handles;
-use crate::handles::Softness;
-use crate::handles::automatic;
+use crate::handles::{Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
 use std::time::Instant;
 use supple::internal::math::Rows;

@@ -1,8 +1,6 @@
 //! Skin weights and pose blend shapes in the interior: harmonic extension from the skin.
 
-use crate::basis::largest_weights;
-use crate::basis::scatter;
-use crate::basis::{HeldNodes, Role};
+use crate::basis::{HeldNodes, Role, largest_weights, scatter};
 use crate::math::{SparseFactor, SparseSymmetric};
 use supple::internal::math::Rows;
 use supple::model::{PoseBlend, SkinWeight, TetMesh};

@@ -5,13 +5,11 @@ use glam::DVec3;
 use std::path::PathBuf;
 use supple::model::Skeleton;
 use supple::{Error, Result};
-use supple_files::MotionClip;
-use supple_files::read_pose;
-use supple_files::{BonePoses, PoseHeader};
-use supple_files::{clip_as_poses, pose_header_line, pose_line};
+use supple_files::{
+    BonePoses, MotionClip, PoseHeader, clip_as_poses, pose_header_line, pose_line, read_pose,
+};
 use supple_pictures::{Figure, motion_strip};
-use supple_scene::avatar_source_of;
-use supple_scene::{Playback, TrackedMotion, read_motion};
+use supple_scene::{Playback, TrackedMotion, avatar_source_of, read_motion};
 
 /// Arguments of `supple motion`.
 #[derive(clap::Args)]

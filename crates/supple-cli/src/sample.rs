@@ -5,10 +5,11 @@ use super::terminal::print;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use supple::{Error, Result};
-use supple_files::TetMeshFile;
-use supple_files::{pose_line, write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh};
-use supple_samples::{Limb, body, hand, hand::grasp, walk};
-use supple_samples::{PALM, SOFT, Sample, map_of};
+use supple_files::{
+    TetMeshFile, pose_line, write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh,
+};
+use supple_samples::hand::grasp;
+use supple_samples::{Limb, PALM, SOFT, Sample, body, hand, map_of, walk};
 use supple_scene::{AvatarSource, BodyOrigin, CharacterSource};
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]

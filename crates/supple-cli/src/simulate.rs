@@ -6,16 +6,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
-use supple::potential::{GpuOptions, GpuPotential};
+use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
 use supple::sim::Simulation;
 use supple::{Error, GpuError, Result};
 use supple_files::write_glb;
 use supple_pictures::picture_strip;
-use supple_scene::TrackedMotion;
-use supple_scene::{Breakdown, FullSpaceRun, Report, SceneRun, run_full_space, run_scene};
-use supple_scene::{Scene, load_avatar, read_scene};
+use supple_scene::{
+    Breakdown, FullSpaceRun, Report, Scene, SceneRun, TrackedMotion, load_avatar, read_scene,
+    run_full_space, run_scene,
+};
 
 /// What evaluates the potential.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

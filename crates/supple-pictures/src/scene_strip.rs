@@ -1,18 +1,14 @@
 //! The picture strip of a run.
 
-use crate::{
-    colour::from_srgb,
-    colour_scale::ColourScale,
-    image::Image,
-    raster::{Camera, Mesh, Plane, View, render},
-    strip::{Legend, Panel, Strip},
-};
+use crate::colour::from_srgb;
+use crate::colour_scale::ColourScale;
+use crate::image::Image;
+use crate::raster::{Camera, Mesh, Plane, View, render};
+use crate::strip::{Legend, Panel, Strip};
 use glam::DVec3;
 use supple::model::{Avatar, Surface};
 use supple_files::BODY_COLOUR;
-use supple_scene::Scene;
-use supple_scene::{COLLIDER_COLOUR, HALF_SPACE_EXTENT, Snapshot};
-use supple_scene::{Focus, Inset};
+use supple_scene::{COLLIDER_COLOUR, Focus, HALF_SPACE_EXTENT, Inset, Scene, Snapshot};
 
 /// Cut tissue.
 const FLESH: u32 = 0xd98a7b;

@@ -5,9 +5,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use supple::Result;
 use supple::internal::math::Rows;
 use supple::model::{PoseBlend, Skeleton, SkinWeight, Surface};
-use supple_bake::Body;
-use supple_bake::Mesher;
 use supple_bake::mesh::ShellOptions;
+use supple_bake::{Body, Mesher};
 
 /// Length along the centre line, m.
 const LENGTH: f64 = 0.088;

@@ -16,11 +16,9 @@ use super::dual_quaternion::dual_quaternion_skin;
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 use supple::Result;
+use supple::internal::features::pose_feature;
 use supple::internal::math::{Random, par_map, rotation_log};
-use supple::{
-    internal::features::pose_feature,
-    model::{Frame, Skeleton, SkinWeight, Surface},
-};
+use supple::model::{Frame, Skeleton, SkinWeight, Surface};
 use supple_bake::ParametricModel;
 use supple_bake::math::DenseFactor;
 

@@ -1,12 +1,12 @@
 //! The bodies that the crate makes itself, each with its own recipe.
 
-use crate::{body, finger::Finger, hand};
+use crate::finger::Finger;
+use crate::{body, hand};
 use serde::{Deserialize, Serialize};
 use supple::Result;
 use supple::material::{Material, StableNeoHookean};
-use supple_bake::Body;
-use supple_bake::Limb;
-use supple_bake::{CubatureRecipe, HandleRegion, Mesher, Recipe, mesh::ShellOptions};
+use supple_bake::mesh::ShellOptions;
+use supple_bake::{Body, CubatureRecipe, HandleRegion, Limb, Mesher, Recipe};
 
 /// Bodies that the crate makes itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,13 +4,11 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use supple::glam::DVec3;
 use supple::model::{Avatar, State};
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::Simulation;
 use supple_bake::bake;
 use supple_pictures::picture_strip;
-use supple_scene::{Scene, read_scene};
-use supple_scene::{SceneRun, run_scene};
+use supple_scene::{Scene, SceneRun, read_scene, run_scene};
 
 /// The scene, its hand, and its run on the CPU with every state recorded.
 fn demo() -> &'static (Scene, Arc<Avatar>, SceneRun) {

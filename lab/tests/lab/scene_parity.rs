@@ -6,12 +6,9 @@ use std::sync::LazyLock;
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
-use supple::potential::{GpuOptions, GpuPotential};
+use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
 use supple::sim::Simulation;
-use supple_scene::Driver;
-use supple_scene::Scene;
+use supple_scene::{Driver, Scene};
 
 /// How far apart the skins may be, m: a third of what is seen at arm's length, and the same as for the demo.
 const TOLERANCE: f64 = 0.05e-3;

@@ -1,7 +1,9 @@
 //! What all instances share and no step changes.
 
 use super::normals::vertex_triangles;
-use super::{Basis, Incidence, points::Points, pose_columns::PoseColumns};
+use super::points::Points;
+use super::pose_columns::PoseColumns;
+use super::{Basis, Incidence};
 use crate::Result;
 use crate::math::Rows;
 use crate::model::{Avatar, Space};

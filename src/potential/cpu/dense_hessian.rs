@@ -1,10 +1,11 @@
 //! The Hessian as a dense matrix, made without the gathers: for tests and diagnostics.
 
+use super::compact::compact;
 use super::contact::{ContactRow, body_levers};
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
 use super::gradient::point_force;
-use super::{Basis, CpuPotential, Motion, compact::compact, friction};
+use super::{Basis, CpuPotential, Motion, friction};
 use crate::Result;
 use crate::math::{Mat9, skew};
 use crate::model::{Frame, SkinWeight, State};

@@ -2,13 +2,14 @@
 //! or block rows.
 
 use super::asset::Asset;
+use super::compact::compact;
 use super::contact::{ContactRow, body_levers, contact_point, skin_levers};
 use super::evaluate_points::evaluate_points;
 use super::friction::{self, Slip};
 use super::geometric::{Vertex, add_geometric};
 use super::hessian::{ContactRows, gather_contacts, gather_points};
 use super::point_hessian::{PointTerms, PointView};
-use super::{Basis, Motion, compact::compact, energy};
+use super::{Basis, Motion, energy};
 use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_join, par_split};
 use crate::model::State;
 use crate::potential::cpu::begin_step::{Step, Touching};

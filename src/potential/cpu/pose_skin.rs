@@ -1,7 +1,9 @@
 //! The drawn skin of one instance.
 
+use super::Basis;
 use super::asset::Asset;
-use super::{Basis, normals::normal, skin::skin};
+use super::normals::normal;
+use super::skin::skin;
 use crate::math::{Strided, par_each, par_split};
 use crate::model::{State, pose_feature_into};
 use crate::potential::cpu::begin_step::VERTEX_GRAIN;

@@ -7,14 +7,12 @@ use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
+use supple::internal::features::pose_feature;
 use supple::internal::math::{Random, rotation_exp};
 use supple::internal::{random_avatar, random_state};
+use supple::model::{Avatar, BoneMass, Frame, RigidBody};
 use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
-use supple::{
-    internal::features::pose_feature,
-    model::{Avatar, BoneMass, Frame, RigidBody},
-};
 use supple_files::write_glb;
 use supple_pictures::picture_strip;
 use supple_samples::Limb;

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
+use supple::internal::cpu::mechanics;
 use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame, State};
+use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
 use supple::skeleton::{Spring, Tracking};
-use supple::{internal::cpu::mechanics, potential::CpuPotential};
 use supple_samples::Limb;
 
 const CONVERGED: SolverMode = SolverMode::Converged {

@@ -1,6 +1,7 @@
 //! What baking starts from: a skinned body and the mesh of its soft layer.
 
-use crate::body::{attachment::Attachment, parametric::ParametricModel};
+use crate::body::attachment::Attachment;
+use crate::body::parametric::ParametricModel;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use supple::internal::math::Rows;

@@ -1,11 +1,9 @@
 //! The parametric skeletal model (SMPL, MANO and their like): equation (1) of the method.
 
 use glam::{DMat3, DVec3};
+use supple::internal::features::pose_feature;
 use supple::internal::math::Rows;
-use supple::{
-    internal::features::pose_feature,
-    model::{Frame, Skeleton, SkinWeight},
-};
+use supple::model::{Frame, Skeleton, SkinWeight};
 
 /// A linear-blend-skinned surface with shape and pose blend shapes.
 ///

@@ -1,8 +1,7 @@
 //! What cubature weights start from.
 
 use super::cubature::{Tissue, Weights};
-use crate::basis::BasisEnergy;
-use crate::basis::{BiharmonicSystem, Constraints};
+use crate::basis::{BasisEnergy, BiharmonicSystem, Constraints};
 use glam::DVec3;
 use supple::internal::math::par_map;
 use supple::{Error, Result};

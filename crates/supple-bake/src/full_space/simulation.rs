@@ -4,8 +4,7 @@ use crate::full_space::sparse_cholesky::SparseCholesky;
 use std::sync::Arc;
 use supple::Result;
 use supple::model::Avatar;
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::{Settings, Simulation};
 
 /// The same bones, tissue and contacts as `avatar`'s with every free node of its layer as a handle and

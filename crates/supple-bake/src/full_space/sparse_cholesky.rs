@@ -8,12 +8,10 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
+use supple::internal::linear_solver::{SolveReport, diagonal_scaling, multiply_add, scaled_norm};
 use supple::potential::BlockPattern;
+use supple::sim::LinearSolver;
 use supple::{Error, Result};
-use supple::{
-    internal::linear_solver::{SolveReport, diagonal_scaling, multiply_add, scaled_norm},
-    sim::LinearSolver,
-};
 
 /// Supernodal LLᵀ in f64 of the matrix scaled to a unit diagonal, ordered by approximate minimum
 /// degree, with the symbolic factorisation done once. An indefinite matrix gets the smallest of the

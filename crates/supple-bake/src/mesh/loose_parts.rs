@@ -3,8 +3,7 @@
 //! The energy sees faces only: a part that hangs on the rest by an edge or a corner may still be any
 //! affine function. A lattice cut by skin and bones has a few such tets.
 
-use crate::basis::Constraints;
-use crate::basis::interior_faces;
+use crate::basis::{Constraints, interior_faces};
 use crate::mesh::disjoint_sets::DisjointSets;
 use glam::{DMat3, DVec3};
 use std::collections::{BTreeSet, HashMap};
@@ -104,8 +103,7 @@ fn face_connected_parts(mesh: &TetMesh) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::BasisEnergy;
-    use crate::basis::BiharmonicSystem;
+    use crate::basis::{BasisEnergy, BiharmonicSystem};
     use crate::test_mesh::jittered_box;
 
     #[test]

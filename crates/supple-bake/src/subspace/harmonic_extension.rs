@@ -1,9 +1,7 @@
 //! The handles' skin values extended into the depth as harmonic functions.
 
-use crate::{
-    basis::{Truncation, basis_at_tets, basis_on_skin, rows_through},
-    interior::InteriorField,
-};
+use crate::basis::{Truncation, basis_at_tets, basis_on_skin, rows_through};
+use crate::interior::InteriorField;
 use supple::Result;
 use supple::internal::math::Rows;
 use supple::model::{Avatar, SoftLayer};

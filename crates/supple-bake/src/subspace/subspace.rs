@@ -4,14 +4,12 @@ use crate::full_space::without_tissue;
 use crate::math::NearestPoint;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
+use supple::internal::cpu::{GeneralBasis, min_det_f_at_nodes};
 use supple::internal::math::{Rows, par_map};
 use supple::model::{Avatar, State, TetMesh};
+use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation};
 use supple::{Error, Result};
-use supple::{
-    internal::cpu::{GeneralBasis, min_det_f_at_nodes},
-    potential::CpuPotential,
-};
 
 /// Blocks N_h of a node: u = Σ_h N_h φ_h, without unit, handles rising.
 type NodeBlocks = Rows<(u32, DMat3)>;

@@ -1,9 +1,11 @@
 //! Avatars for the tests of this room.
 
+use crate::basis::Truncation;
 use crate::body::Body;
-use crate::one_bone_body;
+use crate::handles::HandleRegion;
+use crate::recipe::Recipe;
 use crate::test_mesh::jittered_box;
-use crate::{bake, basis::Truncation, handles::HandleRegion, recipe::Recipe};
+use crate::{bake, one_bone_body};
 use supple::material::{Material, StableNeoHookean};
 use supple::model::Avatar;
 

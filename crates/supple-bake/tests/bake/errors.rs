@@ -2,8 +2,7 @@
 
 use super::recipe;
 use glam::DVec3;
-use supple_bake::Body;
-use supple_bake::{HandlePlace, HandleRegion, Recipe, bake};
+use supple_bake::{Body, HandlePlace, HandleRegion, Recipe, bake};
 use supple_samples::Limb;
 
 #[test]

@@ -3,8 +3,7 @@
 use super::{baked, recipe};
 use glam::DVec3;
 use supple::model::{PoseBlend, SkinWeight};
-use supple_bake::Body;
-use supple_bake::{HandlePlace, all_tets, full_space};
+use supple_bake::{Body, HandlePlace, all_tets, full_space};
 use supple_samples::Finger;
 
 /// A finger of three bones whose pose directions are smooth over its skin.

@@ -1,8 +1,7 @@
 //! Layers of the paper's size.
 
 use super::recipe;
-use supple_bake::Body;
-use supple_bake::{CubatureRecipe, HandlePlace, HandleRegion, Recipe, bake, to_bytes};
+use supple_bake::{Body, CubatureRecipe, HandlePlace, HandleRegion, Recipe, bake, to_bytes};
 use supple_samples::{Limb, hand};
 
 /// A layer of the hand's size: 20,328 nodes, 85,800 tets, 87 handles and 700 points.

@@ -14,8 +14,7 @@ mod surface;
 mod tissue;
 
 use supple::model::Avatar;
-use supple_bake::Body;
-use supple_bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake};
+use supple_bake::{Body, HandlePlace, HandleRegion, Recipe, Truncation, bake};
 use supple_samples::Limb;
 
 /// A limb small enough for a file of a few kilobytes.

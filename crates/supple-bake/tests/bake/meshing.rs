@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 use supple::glam::DVec3;
 use supple::internal::math::Random;
 use supple::model::{Avatar, SkinWeight};
-use supple_bake::Body;
 use supple_bake::mesh::{LatticeSize, MeshReport, ShellOptions};
-use supple_bake::{CubatureRecipe, HandleRegion, Mesher, Recipe, bake};
+use supple_bake::{Body, CubatureRecipe, HandleRegion, Mesher, Recipe, bake};
 use supple_files::read_character;
 use supple_samples::{Finger, hand};
 

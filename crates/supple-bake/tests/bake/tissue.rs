@@ -2,8 +2,9 @@
 
 use supple::glam::{DMat3, DVec3};
 use supple::model::Avatar;
-use supple_bake::Body;
-use supple_bake::{Recipe, StiffnessRegion, all_tets, bake, from_bytes, full_space, to_bytes};
+use supple_bake::{
+    Body, Recipe, StiffnessRegion, all_tets, bake, from_bytes, full_space, to_bytes,
+};
 use supple_samples::Limb;
 
 fn limb() -> Body {

@@ -8,8 +8,7 @@ mod simulate;
 
 use std::path::Path;
 use std::process::{Command, Output};
-use supple_files::TetMeshFile;
-use supple_files::write_tet_mesh;
+use supple_files::{TetMeshFile, write_tet_mesh};
 use supple_samples::Limb;
 
 /// A scene on a limb small enough to be solved in an instant, in `folder`.

@@ -6,8 +6,7 @@
 //! that write such channels on inner joints.
 
 use crate::file;
-use crate::motion::Unit;
-use crate::motion::{MotionClip, MotionFrame, UpAxis};
+use crate::motion::{MotionClip, MotionFrame, Unit, UpAxis};
 use glam::{DQuat, DVec3};
 use std::collections::HashSet;
 use std::path::Path;

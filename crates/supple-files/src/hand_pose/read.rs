@@ -7,8 +7,7 @@
 
 use super::js_literal::first_object;
 use crate::file;
-use crate::motion::UpAxis;
-use crate::motion::{BonePose, BonePoses, PoseHeader};
+use crate::motion::{BonePose, BonePoses, PoseHeader, UpAxis};
 use crate::pose_stream::{bone_pose, numbers};
 use glam::DVec3;
 use serde_json::Value;

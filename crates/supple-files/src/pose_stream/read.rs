@@ -12,9 +12,7 @@
 //! places and no rotations are turned so that the avatar's joints lie as the places do.
 
 use super::bone_json::bone_pose;
-use crate::motion::Unit;
-use crate::motion::UpAxis;
-use crate::motion::{BonePose, BonePoses, PoseHeader};
+use crate::motion::{BonePose, BonePoses, PoseHeader, Unit, UpAxis};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, VecDeque};

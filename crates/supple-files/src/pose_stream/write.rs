@@ -1,7 +1,6 @@
 //! Poses as JSON lines, as [`crate::pose_stream::read::PoseParser`] reads them.
 
-use crate::motion::MotionClip;
-use crate::motion::{BonePose, BonePoses, PoseHeader};
+use crate::motion::{BonePose, BonePoses, MotionClip, PoseHeader};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use supple::{Error, Result};

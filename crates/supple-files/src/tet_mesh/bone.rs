@@ -4,9 +4,8 @@ use super::{BONE, TetFile};
 use std::collections::{BTreeMap, BTreeSet};
 use supple::model::TetMesh;
 use supple::{Error, Result};
-use supple_bake::Body;
 use supple_bake::math::NearestPoint;
-use supple_bake::one_bone_body;
+use supple_bake::{Body, one_bone_body};
 
 /// Without any sign of a bone, nodes deeper than this part of the greatest depth are held.
 const CORE: f64 = 0.6;

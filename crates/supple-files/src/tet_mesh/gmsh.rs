@@ -3,10 +3,9 @@
 //! A tet's label is its first physical volume, by name if it has one, else the number of its elementary volume;
 //! a triangle's is its physical surface, and triangles without one are not read.
 
-use super::TetFile;
 use super::draft::Draft;
 use super::words::Words;
-use super::{gmsh_2, gmsh_4};
+use super::{TetFile, gmsh_2, gmsh_4};
 use std::collections::HashMap;
 use std::path::Path;
 use supple::{Error, Result};

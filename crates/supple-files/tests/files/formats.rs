@@ -7,8 +7,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::math::Rows;
 use supple::model::{SkinWeight, Surface};
 use supple_bake::ParametricModel;
-use supple_files::{read_closed_obj, read_obj, read_smpl};
-use supple_files::{write_obj, write_smpl};
+use supple_files::{read_closed_obj, read_obj, read_smpl, write_obj, write_smpl};
 
 /// A tetrahedron with two bones, one shape and nine pose directions.
 fn model() -> ParametricModel {

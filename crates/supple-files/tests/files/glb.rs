@@ -1,18 +1,13 @@
 //! A GLB file played back by a reader of its own gives the skin that was simulated.
 
 use supple::collider::Shape;
+use supple::glam;
+use supple::glam::{DMat4, DQuat, DVec3, Vec3};
+use supple::internal::features::pose_feature;
 use supple::internal::math::Rows;
 use supple::internal::{random_avatar, random_state};
-use supple::{
-    glam,
-    glam::{DMat4, DQuat, DVec3, Vec3},
-};
-use supple::{
-    internal::features::pose_feature,
-    model::{Avatar, Frame, SkinWeight, State},
-};
-use supple_files::solid_surface;
-use supple_files::{GlbReport, Prop, Recording, write_glb};
+use supple::model::{Avatar, Frame, SkinWeight, State};
+use supple_files::{GlbReport, Prop, Recording, solid_surface, write_glb};
 
 /// States that blend smoothly between a few random ones, as a motion does.
 fn recording(avatar: &Avatar, states: usize) -> Recording {

@@ -4,11 +4,8 @@ use super::camera::{Camera, Lens};
 use super::depth::{CUT, Sample, rasterise};
 use super::light::Dome;
 use super::mesh::{Mesh, Plane};
-use crate::colour::{mix, to_srgb};
-use crate::{
-    colour::{Colour, from_srgb},
-    image::Image,
-};
+use crate::colour::{Colour, from_srgb, mix, to_srgb};
+use crate::image::Image;
 use glam::DVec3;
 use supple::internal::math::par_map;
 

@@ -7,13 +7,11 @@ use std::io::{Read, stdin};
 use std::path::Path;
 use supple::model::{Frame, Skeleton};
 use supple::{Error, Result};
-use supple_files::MotionClip;
-use supple_files::read_gltf_motions;
 use supple_files::{
-    BonePoses, ClipPlayer, PoseHeader, PosePlayer, Retarget, mirrored_clip, mirrored_header,
-    mirrored_poses,
+    BonePoses, BvhOptions, ClipPlayer, MotionClip, PoseHeader, PosePlayer, PoseReader, Retarget,
+    mirrored_clip, mirrored_header, mirrored_poses, read_amass, read_bvh, read_gltf_motions,
+    read_pose,
 };
-use supple_files::{BvhOptions, PoseReader, read_amass, read_bvh, read_pose};
 
 /// A motion on an avatar: frames for every time step.
 pub enum Playback {

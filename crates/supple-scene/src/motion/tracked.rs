@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use supple::skeleton::Spring;
 use supple::{Error, Result};
-use supple_files::Unit;
-use supple_files::UpAxis;
-use supple_files::{Align, ClipOptions, MapOptions, Origin, PoseOptions, RetargetOptions, Side};
+use supple_files::{
+    Align, ClipOptions, MapOptions, Origin, PoseOptions, RetargetOptions, Side, Unit, UpAxis,
+};
 
 /// A motion that the avatar is drawn to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,7 @@
 
 use super::motion_driver::MotionDriver;
 use crate::motion::Playback;
-use crate::scene::Scene;
-use crate::scene::{Motion, SceneBody, SceneCollider, Target};
+use crate::scene::{Motion, Scene, SceneBody, SceneCollider, Target};
 use glam::{DMat3, DVec3};
 use supple::collider::Collider;
 use supple::internal::math::rotation_exp;

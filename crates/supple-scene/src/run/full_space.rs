@@ -2,14 +2,15 @@
 //! against it again and again.
 
 use super::{SceneRun, run_scene};
-use crate::{avatar_source::AvatarSource, fingerprint::Fingerprint, scene::Scene};
+use crate::avatar_source::AvatarSource;
+use crate::fingerprint::Fingerprint;
+use crate::scene::Scene;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use supple::model::Avatar;
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::Simulation;
 use supple::{Error, Result};
 use supple_bake::SparseCholesky;

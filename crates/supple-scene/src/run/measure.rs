@@ -5,8 +5,7 @@ use crate::scene::Scene;
 use glam::{DMat3, DVec3};
 use supple::internal::cpu::contact::may_touch;
 use supple::internal::cpu::elasticity::displacement_gradient;
-use supple::internal::cpu::min_det_f;
-use supple::internal::cpu::skin_displacement;
+use supple::internal::cpu::{min_det_f, skin_displacement};
 use supple::model::{Avatar, State};
 use supple::sim::{Instance, StepReport};
 

@@ -10,8 +10,7 @@ pub use driver::Driver;
 pub use full_space::{FullSpaceRun, run_full_space};
 pub use report::{Breakdown, EnergyReport, Median, Report, Spread};
 
-use crate::scene::PanelTime;
-use crate::scene::Scene;
+use crate::scene::{PanelTime, Scene};
 use glam::DVec3;
 use measure::Measures;
 use serde::{Deserialize, Serialize};
@@ -19,9 +18,7 @@ use supple::Result;
 use supple::model::{Avatar, Frame, State};
 use supple::potential::Potential;
 use supple::sim::{Simulation, StepReport};
-use supple_files::BoneMap;
-use supple_files::{Prop, Recording};
-use supple_files::{from_srgb, solid_surface};
+use supple_files::{BoneMap, Prop, Recording, from_srgb, solid_surface};
 
 /// What a scene's run gave.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -8,8 +8,7 @@ use supple::internal::math::{rotation_exp, rotation_log};
 use supple::model::Avatar;
 use supple::potential::CpuPotential;
 use supple::sim::Simulation;
-use supple_scene::{Driver, run_scene};
-use supple_scene::{Scene, parse_scene};
+use supple_scene::{Driver, Scene, parse_scene, run_scene};
 
 /// A scene of 0.6 s on a limb, with the keys `motion` in its `[motion]` table.
 fn scene(motion: &str) -> Scene {

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use supple::glam::DVec3;
 use supple::internal::random_state;
 use supple::model::{Avatar, State};
-use supple::potential::CpuPotential;
-use supple::potential::{Evaluation, Potential, Trial};
+use supple::potential::{CpuPotential, Evaluation, Potential, Trial};
 
 /// Two steps' start states and one to evaluate, for each of three instances.
 pub fn triples(avatar: &Avatar) -> Vec<[State; 3]> {

@@ -9,8 +9,7 @@ use supple::Error;
 use supple::collider::Collider;
 use supple::glam::{DVec2, DVec3};
 use supple::model::SkinWeight;
-use supple::potential::CpuPotential;
-use supple::potential::{Evaluation, Potential, StepStart};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart};
 
 #[test]
 fn contact_reports_its_force() {

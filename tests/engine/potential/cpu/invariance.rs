@@ -5,14 +5,12 @@ use super::{avatar, floor, start};
 use pollster::block_on;
 use supple::collider::Collider;
 use supple::glam::DVec3;
+use supple::internal::cpu::min_det_f;
+use supple::internal::features::pose_feature;
 use supple::internal::math::Random;
 use supple::internal::random_state;
-use supple::potential::{Evaluation, Potential, StepStart};
-use supple::{internal::cpu::min_det_f, potential::CpuPotential};
-use supple::{
-    internal::features::pose_feature,
-    model::{Avatar, Frame, State, Surface},
-};
+use supple::model::{Avatar, Frame, State, Surface};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart};
 
 /// Skin vertex `v` with x̄ of the pose `frames`, written out.
 pub fn posed(avatar: &Avatar, v: usize, frames: &[Frame], state: &State) -> DVec3 {

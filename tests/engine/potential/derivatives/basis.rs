@@ -4,13 +4,10 @@ use super::case::cases;
 use super::{STEP, evaluate, largest, unit};
 use std::sync::Arc;
 use supple::glam::DMat3;
+use supple::internal::cpu::{GeneralBasis, HessianForm};
 use supple::internal::math::{Random, Rows};
 use supple::model::BasisEntry;
-use supple::potential::Potential;
-use supple::{
-    internal::cpu::{GeneralBasis, HessianForm},
-    potential::CpuPotential,
-};
+use supple::potential::{CpuPotential, Potential};
 
 #[test]
 fn a_general_basis_gives_what_the_scalar_one_gives() {

@@ -8,8 +8,7 @@ use supple::internal::math::Random;
 use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, PoseBlend, State};
-use supple::potential::CpuPotential;
-use supple::potential::{Potential, StepStart};
+use supple::potential::{CpuPotential, Potential, StepStart};
 
 /// What a case is made of.
 pub struct Case {

@@ -7,8 +7,7 @@ mod terms;
 
 use pollster::block_on;
 use supple::model::State;
-use supple::potential::CpuPotential;
-use supple::potential::{Evaluation, Potential, Trial};
+use supple::potential::{CpuPotential, Evaluation, Potential, Trial};
 
 fn evaluate<B: supple::internal::cpu::Basis>(
     potential: &mut CpuPotential<B>,

@@ -5,14 +5,12 @@ use supple::glam::DVec3;
 use supple::internal::cpu::HessianForm;
 use supple::internal::math::{Random, rotation_exp};
 use supple::internal::random_avatar;
-use supple::model::{Avatar, Frame, JointRange};
-use supple::{
-    internal::skeleton::{
-        BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring,
-        LimitSpring, TissueMoments, TrackingSpring,
-    },
-    skeleton::{Bending, JointLimit, Spring, Tracking},
+use supple::internal::skeleton::{
+    BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring, LimitSpring,
+    TissueMoments, TrackingSpring,
 };
+use supple::model::{Avatar, Frame, JointRange};
+use supple::skeleton::{Bending, JointLimit, Spring, Tracking};
 
 const BONES: usize = 3;
 const DOFS: usize = 6 * BONES;

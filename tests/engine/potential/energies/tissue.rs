@@ -6,12 +6,12 @@ use pollster::block_on;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
+use supple::internal::cpu::HessianForm;
 use supple::internal::math::Random;
 use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, State};
-use supple::potential::{Evaluation, Potential, StepStart, Trial};
-use supple::{internal::cpu::HessianForm, potential::CpuPotential};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, Trial};
 
 /// What of a property is left where a term must not be felt.
 const NONE: f64 = 1e-15;

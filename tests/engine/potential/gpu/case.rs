@@ -7,8 +7,7 @@ use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::math::Random;
 use supple::internal::random_state;
 use supple::model::{Avatar, Frame, State};
-use supple::potential::{Evaluation, Potential, StepStart, Trial};
-use supple::potential::{GpuOptions, GpuPotential};
+use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, StepStart, Trial};
 
 pub fn device() -> GpuDevice {
     pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(

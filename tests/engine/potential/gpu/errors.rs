@@ -2,17 +2,12 @@
 
 use super::case::{case, device, potential, start};
 use std::sync::Arc;
+use supple::gpu::{AdapterChoice, AdapterKind, GpuDevice, adapters};
+use supple::internal::gpu::Sources;
+use supple::internal::gpu_plumbing::{Bindings, Module};
 use supple::internal::random_avatar;
-use supple::potential::{Evaluation, Potential, StepStart};
+use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, StepStart};
 use supple::{Error, GpuError};
-use supple::{
-    gpu::{AdapterChoice, AdapterKind, GpuDevice, adapters},
-    internal::gpu_plumbing::{Bindings, Module},
-};
-use supple::{
-    internal::gpu::Sources,
-    potential::{GpuOptions, GpuPotential},
-};
 
 /// The GPU error of a result that must be one.
 fn gpu_error<T>(result: supple::Result<T>) -> GpuError {

@@ -11,9 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use supple::gpu::{GpuDevice, Waiting};
 use supple::internal::random_avatar;
 use supple::model::{Avatar, State};
-use supple::potential::CpuPotential;
-use supple::potential::GpuOptions;
-use supple::potential::{Evaluation, Potential};
+use supple::potential::{CpuPotential, Evaluation, GpuOptions, Potential};
 use supple::wgpu;
 
 #[test]

@@ -7,12 +7,11 @@ use super::friction::{slid, smoothing};
 use super::points::{abs_position, minus_joints, skin_roundings};
 use super::scene::{OPTIONS_CONTACTS, Phase, Scene, vec};
 use supple::glam::DVec3;
-use supple::internal::cpu::compact as compact_twin;
 use supple::internal::cpu::contact::{
     Candidate, ContactRow, body_levers, contact_point, skin_levers,
 };
 use supple::internal::cpu::displacement::{arms, blended_rotation, unposed_displacement};
-use supple::internal::cpu::friction as friction_twin;
+use supple::internal::cpu::{compact as compact_twin, friction as friction_twin};
 use supple::internal::features::point_blocks;
 use supple::internal::gpu::shared;
 

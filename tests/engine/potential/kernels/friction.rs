@@ -9,13 +9,10 @@ use super::scene::{
 };
 use supple::collider::Collider;
 use supple::glam::DVec3;
-use supple::internal::cpu::compact as compact_twin;
 use supple::internal::cpu::contact::{Candidate, contact_point};
 use supple::internal::cpu::displacement::{FrameMotion, displacement, unposed_displacement};
-use supple::internal::cpu::{
-    friction as friction_twin,
-    friction::{Lagged, Slip},
-};
+use supple::internal::cpu::friction::{Lagged, Slip};
+use supple::internal::cpu::{compact as compact_twin, friction as friction_twin};
 use supple::internal::gpu::shared;
 use supple::model::Frame;
 

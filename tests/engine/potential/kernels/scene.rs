@@ -10,13 +10,12 @@ use supple::collider::Collider;
 use supple::glam::{DMat3, DVec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::cpu::displacement::FrameMotion;
+use supple::internal::gpu::{Sources, shared};
 use supple::internal::math::Random;
 use supple::internal::random_state;
 use supple::model::{Avatar, Frame, PointSet, State};
-use supple::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
-use supple::{
-    internal::gpu::{Sources, shared},
-    potential::{GpuOptions, GpuPotential},
+use supple::potential::{
+    BlockPattern, Evaluation, GpuOptions, GpuPotential, Potential, StepStart, Trial,
 };
 
 /// h: a power of two, so that its inverse is exact.

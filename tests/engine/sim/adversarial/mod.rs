@@ -12,11 +12,11 @@ use std::sync::Arc;
 use storm::{BEYOND, STATED, Severity, Storm, set_time_step};
 use supple::Error;
 use supple::glam::DVec3;
+use supple::internal::cpu::min_det_f;
 use supple::model::Avatar;
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::{Settings, Simulation, SolverMode};
 use supple::skeleton::{Spring, Tracking};
-use supple::{internal::cpu::min_det_f, potential::CpuPotential};
 
 fn modes() -> [SolverMode; 3] {
     [

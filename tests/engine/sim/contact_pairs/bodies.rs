@@ -8,8 +8,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::Random;
 use supple::model::{Avatar, BoneMass, Frame, State};
-use supple::potential::CpuPotential;
-use supple::potential::{Evaluation, Potential, StepStart};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart};
 
 /// Two blocks, the second of which carries a ball that the first falls on.
 fn pair(friction: f64) -> (Avatar, State, Collider) {

@@ -6,8 +6,7 @@ use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::model::Frame;
-use supple::potential::CpuPotential;
-use supple::potential::Potential;
+use supple::potential::{CpuPotential, Potential};
 use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
 use supple_bake::SparseCholesky;
 

@@ -3,11 +3,9 @@
 use super::Recording;
 use faer::{Mat, Side};
 use glam::DVec3;
+use supple::internal::features::pose_feature;
+use supple::model::{Avatar, State};
 use supple::{Error, Result};
-use supple::{
-    internal::features::pose_feature,
-    model::{Avatar, State},
-};
 
 /// Most morph targets that viewers take.
 pub const MOST_MORPHS: usize = 256;

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use supple::glam::{DMat3, DVec3};
 use supple_files as motion;
-use supple_files::{BvhOptions, PoseReader};
 use supple_files::{
-    parse_gltf, parse_gltf_motions, parse_obj, parse_smpl, parse_tetgen, parse_tets,
+    BvhOptions, PoseReader, parse_gltf, parse_gltf_motions, parse_obj, parse_smpl, parse_tetgen,
+    parse_tets,
 };
 use supple_scene::{parse_avatar_source, parse_scene};
 

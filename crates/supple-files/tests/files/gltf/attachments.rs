@@ -9,10 +9,8 @@ use supple::collider::{Collider, Shape};
 use supple::model::Frame;
 use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation};
-use supple_bake::{Attachment, Body};
-use supple_bake::{Recipe, bake, from_bytes, full_space, to_bytes};
-use supple_files::parse_gltf;
-use supple_files::{Recording, write_glb};
+use supple_bake::{Attachment, Body, Recipe, bake, from_bytes, full_space, to_bytes};
+use supple_files::{Recording, parse_gltf, write_glb};
 
 /// A bar with an eye (a small closed bar beside it, on bone 1), a sleeve (an open tube around its
 /// middle, on all bones) and a tress (an open tube on a bone of its own).

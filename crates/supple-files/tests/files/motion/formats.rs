@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use supple::Error;
 use supple::glam::{DQuat, DVec3};
 use supple::internal::math::{Random, rotation_exp, rotation_log};
-use supple_files::UpAxis;
-use supple_files::{BvhOptions, PoseParser, Unit, parse_bvh, parse_pose, read_amass};
-use supple_files::{ClipOptions, ClipPlayer, PoseOptions, PosePlayer};
-use supple_files::{bvh_text, clip_as_poses, pose_header_line, pose_line};
-use supple_samples::{hand::grasp, walk};
+use supple_files::{
+    BvhOptions, ClipOptions, ClipPlayer, PoseOptions, PoseParser, PosePlayer, Unit, UpAxis,
+    bvh_text, clip_as_poses, parse_bvh, parse_pose, pose_header_line, pose_line, read_amass,
+};
+use supple_samples::hand::grasp;
+use supple_samples::walk;
 
 /// Two joints with different orders of rotation, a position channel on the inner one, names with spaces,
 /// `Frames:` without a space, Windows line ends.

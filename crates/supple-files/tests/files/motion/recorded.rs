@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::rotation_log;
 use supple::model::Frame;
-use supple_files::Align;
-use supple_files::{read_character, read_gltf_motions};
+use supple_files::{Align, read_character, read_gltf_motions};
 use supple_scene::{Playback, TrackedMotion};
 
 fn asset(name: &str) -> Option<PathBuf> {

@@ -4,10 +4,9 @@ use supple::glam::{DMat3, DQuat, DVec3};
 use supple::internal::math::{Random, rotation_exp};
 use supple::model::{Frame, Skeleton};
 use supple_files::{
-    Align, BonePose, BonePoses, ClipOptions, ClipPlayer, Origin, PoseHeader, PoseOptions,
-    PosePlayer, RetargetOptions, mirrored_clip,
+    Align, BonePose, BonePoses, ClipOptions, ClipPlayer, MotionClip, MotionFrame, Origin,
+    PoseHeader, PoseOptions, PosePlayer, RetargetOptions, UpAxis, mirrored_clip,
 };
-use supple_files::{MotionClip, MotionFrame, UpAxis};
 use supple_samples::{hand, walk};
 
 /// The walk's own skeleton.

@@ -6,8 +6,7 @@ use crate::tests::surface::{dense_weights, edges, winding_number};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::rotation_exp;
 use supple_bake::ParametricModel;
-use supple_files::read_smpl;
-use supple_files::write_smpl;
+use supple_files::{read_smpl, write_smpl};
 
 #[test]
 fn weights_are_a_smooth_partition_without_seams() {

@@ -7,9 +7,8 @@ use crate::tests::surface::{
 };
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::{Random, par_map, rotation_exp};
-use supple_bake::Body;
-use supple_bake::Mesher;
 use supple_bake::mesh::{MeshQuality, ShellOptions};
+use supple_bake::{Body, Mesher};
 
 pub fn mirrored(p: DVec3) -> DVec3 {
     DVec3::new(-p.x, p.y, p.z)

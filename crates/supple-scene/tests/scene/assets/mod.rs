@@ -11,8 +11,7 @@ use shake::{Shake, shake};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use supple::model::Avatar;
-use supple_bake::Body;
-use supple_bake::{BakeReport, Recipe, bake};
+use supple_bake::{BakeReport, Body, Recipe, bake};
 use supple_samples::Sample;
 use supple_scene::{AvatarSource, avatar_source_of};
 

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use supple::glam::DVec3;
 use supple::internal::cpu::displacement::unposed_displacement;
+use supple::internal::cpu::min_det_f;
 use supple::model::Avatar;
+use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation};
-use supple::{internal::cpu::min_det_f, potential::CpuPotential};
 
 /// What else moves.
 #[derive(Clone, Copy, Debug)]
