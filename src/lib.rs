@@ -16,7 +16,7 @@
 //! energies ([`skeleton`]) are added in f64, and the small dense system is solved by faer.
 //!
 //! **The stages of an evaluation have one name everywhere**: `pose_blend`, `displacement`, `elasticity`, `contact`,
-//! `friction`, `compact`, `gradient`, `point_hessian`, `hessian`, `energy`, and for the posed skin `skin` and `normals`.
+//! `select`, `friction`, `compact`, `gradient`, `point_hessian`, `hessian`, `energy`, and for the posed skin `skin` and `normals`.
 //! Stage x is `kernels/x.wgsl`, its host side `src/potential/gpu/x.rs`, its twin `src/potential/cpu/x.rs`. Twins are
 //! written independently and compared from the same inputs.
 //!
