@@ -3,11 +3,12 @@
 use super::{TINY, baked, recipe};
 use std::path::Path;
 use supple::Error;
-use supple::file::{read_avatar, write_avatar};
+use supple::file::{AvatarFile, Parts, Section, read_avatar, write_avatar};
 use supple::internal::math::Random;
 use supple::model::Avatar;
 use supple_bake::{
-    BakeCost, BakeReport, HandlePlace, bake, from_bytes, read_baked, to_bytes, write_baked,
+    BakeCost, BakeReport, HandlePlace, bake, baked_file, from_bytes, full_space, read_baked,
+    to_bytes, write_baked,
 };
 use supple_samples::Limb;
 
@@ -126,4 +127,43 @@ fn foreign_and_newer_files_are_named() {
     assert!(problem(&newer).contains("update supple"));
     newer[8] = 0;
     assert!(problem(&newer).contains("bake it again"));
+}
+
+#[test]
+fn a_file_for_a_game_is_the_same_avatar_without_its_layer() {
+    let (avatar, report) = tiny();
+    let file = baked_file(&avatar, Some(&report)).unwrap();
+    let bytes = file.to_bytes(Parts::Step).unwrap();
+    assert!(bytes.len() < file.to_bytes(Parts::All).unwrap().len());
+    let back = from_bytes(&bytes, Path::new("limb.supple")).unwrap().avatar;
+    assert!(back.layer.is_empty());
+    let error = full_space(&back).unwrap_err().to_string();
+    assert!(error.contains("--without-layer"), "{error}");
+    let whole = Avatar {
+        layer: avatar.layer.clone(),
+        ..back
+    };
+    assert_eq!(whole, avatar);
+}
+
+#[test]
+fn a_section_that_is_not_known_is_passed_over_and_one_that_is_missing_is_named() {
+    let (avatar, _) = tiny();
+    let mut file = AvatarFile::new(avatar);
+    file.others.push(Section {
+        tag: *b"futr",
+        version: 7,
+        content: vec![1, 2, 3],
+    });
+    let mut bytes = file.to_bytes(Parts::All).unwrap();
+    let path = Path::new("limb.supple");
+    assert_eq!(AvatarFile::from_bytes(&bytes, path).unwrap(), file);
+    // The same file with another name on its skin.
+    let at = bytes.windows(4).position(|tag| tag == b"skin").unwrap();
+    bytes[at..at + 4].copy_from_slice(b"sk1n");
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&bytes[8..12]);
+    hasher.update(&bytes[16..]);
+    bytes[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
+    assert!(problem(&bytes).contains("section skin: is not there"));
 }
