@@ -227,7 +227,7 @@ impl Collider {
     }
 
     /// Where it stands at the end of the step, the system's frames being `frames`.
-    pub fn place(&self, frames: &[Frame]) -> Frame {
+    pub fn world_frame(&self, frames: &[Frame]) -> Frame {
         match self.body {
             None => self.frame,
             Some(body) => frames[body as usize].compose(&self.frame),
@@ -235,26 +235,26 @@ impl Collider {
     }
 
     /// Where it stood at the start of the step, the system's frames being `frames` then.
-    pub fn previous_place(&self, frames: &[Frame]) -> Frame {
+    pub fn previous_world_frame(&self, frames: &[Frame]) -> Frame {
         match self.body {
             None => self.previous,
-            Some(_) => self.place(frames),
+            Some(_) => self.world_frame(frames),
         }
     }
 
-    /// Distance and normal at a world point, the collider standing at `place`.
-    pub fn signed_distance(&self, place: &Frame, point: DVec3) -> SignedDistance {
-        let local = self.shape.signed_distance(place.inverse_transform(point));
+    /// Distance and normal at a world point, the collider standing at `frame`.
+    pub fn signed_distance(&self, frame: &Frame, point: DVec3) -> SignedDistance {
+        let local = self.shape.signed_distance(frame.inverse_transform(point));
         SignedDistance {
             distance: local.distance,
-            normal: place.rotation * local.normal,
+            normal: frame.rotation * local.normal,
         }
     }
 
-    /// ∇²d at a world point, 1/m, the collider standing at `place`.
-    pub fn curvature(&self, place: &Frame, point: DVec3) -> DMat3 {
-        let r = place.rotation;
-        r * self.shape.curvature(place.inverse_transform(point)) * r.transpose()
+    /// ∇²d at a world point, 1/m, the collider standing at `frame`.
+    pub fn curvature(&self, frame: &Frame, point: DVec3) -> DMat3 {
+        let r = frame.rotation;
+        r * self.shape.curvature(frame.inverse_transform(point)) * r.transpose()
     }
 
     /// The collider seen from `origin`: both frames shifted by −origin, unless they are its body's.

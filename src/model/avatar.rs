@@ -88,7 +88,8 @@ impl Avatar {
     pub fn rest_state(&self) -> State {
         let mut frames = self.skeleton.bind_pose();
         let first = self.bones();
-        (frames[first..].iter_mut().zip(&self.bodies)).for_each(|(f, body)| *f = body.place);
+        (frames[first..].iter_mut().zip(&self.bodies))
+            .for_each(|(f, body)| *f = body.initial_frame);
         State {
             frames,
             handles: vec![DVec3::ZERO; self.handles.len()],

@@ -23,7 +23,7 @@ pub struct RigidBody {
     /// the area around it.
     pub surface: Surface,
     /// Where it is at first.
-    pub place: Frame,
+    pub initial_frame: Frame,
     /// Penalty stiffness of what touches it, Pa/m.
     pub stiffness: f64,
     /// Coefficient of friction of what touches it.
@@ -49,7 +49,7 @@ impl RigidBody {
             name: name.into(),
             mass: shape.mass(density)?,
             surface: shape.sampled(VERTICES)?,
-            place: Frame::IDENTITY,
+            initial_frame: Frame::IDENTITY,
             stiffness: like.stiffness,
             friction: like.friction,
             shape,
@@ -64,9 +64,12 @@ impl RigidBody {
         }
     }
 
-    /// The same body at `place`.
-    pub fn at(self, place: Frame) -> Self {
-        Self { place, ..self }
+    /// The same body that starts at `initial_frame`.
+    pub fn at(self, initial_frame: Frame) -> Self {
+        Self {
+            initial_frame,
+            ..self
+        }
     }
 
     /// What the avatar's skin touches of it, carried by frame `body` of the system.
@@ -101,8 +104,8 @@ impl Avatar {
         if self.skeleton.find(&body.name).is_some() {
             return Err(Error::invalid(field(""), "a bone or body has that name"));
         }
-        if !(body.place.position.is_finite() && body.place.rotation.is_finite()) {
-            return Err(Error::invalid(field(".place"), "is not finite"));
+        if !(body.initial_frame.position.is_finite() && body.initial_frame.rotation.is_finite()) {
+            return Err(Error::invalid(field(".initial_frame"), "is not finite"));
         }
         if !(body.mass.mass() > 0.0 && body.mass.mass().is_finite()) {
             return Err(Error::invalid(field(".mass"), "must be positive (kg)"));
@@ -110,14 +113,14 @@ impl Avatar {
         (body.collider(frame).validate()).map_err(|e| e.within(&field("")))?;
         self.skeleton.names.push(body.name.clone());
         self.skeleton.parents.push(None);
-        self.skeleton.joints.push(body.place.position);
+        self.skeleton.joints.push(body.initial_frame.position);
         self.bone_masses.push(body.mass);
         let first = self.skin.len() as u32;
         let shifted = |t: &[u32; 3]| t.map(|v| first + v);
         self.triangles
             .extend(body.surface.triangles.iter().map(shifted));
         self.skin
-            .append_rigid(&body.surface, frame as u32, body.place.position);
+            .append_rigid(&body.surface, frame as u32, body.initial_frame.position);
         self.bodies.push(body);
         Ok(())
     }
@@ -166,8 +169,8 @@ impl Avatar {
                 && self.skeleton.parents[frame].is_none()
                 && vertices.clone().all(of_body)
                 && vertices.end <= self.skin.len()
-                && body.place.position.is_finite()
-                && body.place.rotation.is_finite();
+                && body.initial_frame.position.is_finite()
+                && body.initial_frame.rotation.is_finite();
             if !sound {
                 let problem =
                     "has not its own root frame and surface; add it by Avatar::with_bodies";

@@ -23,7 +23,7 @@ pub(super) const VERTEX_GRAIN: usize = 128;
 #[derive(Default)]
 pub(super) struct Touching {
     /// Where the colliders stand, relative to the instance's origin.
-    pub places: Vec<Frame>,
+    pub collider_frames: Vec<Frame>,
     /// Vertex-major.
     pub candidates: Vec<Candidate>,
 }
@@ -150,12 +150,15 @@ impl Step {
             return;
         }
         let frames = &motion.frames;
-        touching.places.clear();
-        let places = self.colliders.iter().map(|c| c.previous_place(frames));
-        touching.places.extend(places);
+        touching.collider_frames.clear();
+        let places = self
+            .colliders
+            .iter()
+            .map(|c| c.previous_world_frame(frames));
+        touching.collider_frames.extend(places);
         self.candidates(asset, motion, touching);
         // From here on a place is that of the frame that a collider is fixed to: its own or its body's.
-        for (place, collider) in touching.places.iter_mut().zip(&self.colliders) {
+        for (place, collider) in touching.collider_frames.iter_mut().zip(&self.colliders) {
             if let Some(body) = collider.body {
                 *place = frames[body as usize];
             }
@@ -167,7 +170,7 @@ impl Step {
             contact_point(asset.skin.skinning.row(v), joints, frames, unposed)
         };
         let areas = &asset.avatar.skin.measure;
-        let (candidates, places) = (&touching.candidates, &touching.places);
+        let (candidates, places) = (&touching.candidates, &touching.collider_frames);
         lag(
             candidates,
             areas,
@@ -191,16 +194,19 @@ impl Step {
 
     /// Every skin vertex of the state in `motion` against every collider at the end of the step.
     pub fn contact<B: Basis>(&self, asset: &Asset<B>, motion: &Motion, touching: &mut Touching) {
-        touching.places.clear();
-        let places = self.colliders.iter().map(|c| c.place(&motion.frames));
-        touching.places.extend(places);
+        touching.collider_frames.clear();
+        let places = self.colliders.iter().map(|c| c.world_frame(&motion.frames));
+        touching.collider_frames.extend(places);
         self.candidates(asset, motion, touching);
     }
 
     /// Every skin vertex against every collider at its place.
     fn candidates<B: Basis>(&self, asset: &Asset<B>, motion: &Motion, touching: &mut Touching) {
         let stride = self.colliders.len();
-        let Touching { places, candidates } = touching;
+        let Touching {
+            collider_frames,
+            candidates,
+        } = touching;
         candidates.resize(stride * asset.skin.len(), Candidate::default());
         if stride == 0 {
             return;
@@ -216,7 +222,9 @@ impl Step {
             let unposed = self.skin_unposed(asset, v, &motion.handles);
             let skinning = asset.skin.skinning.row(v);
             let point = contact_point(skinning, joints, &motion.frames, unposed);
-            for ((out, collider), place) in out.iter_mut().zip(&self.colliders).zip(&*places) {
+            for ((out, collider), place) in
+                out.iter_mut().zip(&self.colliders).zip(&*collider_frames)
+            {
                 *out = if may_touch(skinning, collider) {
                     contact(point, collider, place)
                 } else {

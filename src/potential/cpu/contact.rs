@@ -44,9 +44,9 @@ impl ContactRow {
     }
 }
 
-/// δ and n at `point`, the collider standing at `place`; both relative to the instance's origin.
-pub fn contact(point: DVec3, collider: &Collider, place: &Frame) -> Candidate {
-    let found = collider.signed_distance(place, point);
+/// δ and n at `point`, the collider standing at `frame`; both relative to the instance's origin.
+pub fn contact(point: DVec3, collider: &Collider, frame: &Frame) -> Candidate {
+    let found = collider.signed_distance(frame, point);
     Candidate {
         depth: (collider.margin - found.distance).max(0.0),
         normal: found.normal,

@@ -115,7 +115,8 @@ impl<B: Basis> CpuPotential<B> {
                         collider,
                     );
                     let body = side(&row);
-                    let curvature = collider.curvature(&touching.places[k], body.position());
+                    let curvature =
+                        collider.curvature(&touching.collider_frames[k], body.position());
                     body.add_gauss_newton(curvature * row.force, &mut dense);
                 }
             }

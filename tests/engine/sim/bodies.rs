@@ -248,7 +248,7 @@ fn bodies_leave_the_avatar_as_it_is() -> Result<()> {
             .iter()
             .zip(&after[with.body_vertices(i)])
         {
-            assert!((body.place.transform(*p) - *x).length() < 1e-12);
+            assert!((body.initial_frame.transform(*p) - *x).length() < 1e-12);
         }
     }
     Ok(())

@@ -90,7 +90,7 @@ impl Driver {
             )?),
             None => None,
         };
-        start.extend(scene.bodies.iter().map(SceneBody::place));
+        start.extend(scene.bodies.iter().map(SceneBody::initial_frame));
         Ok(Self {
             gravity: scene.gravity,
             start,

@@ -142,7 +142,7 @@ fn longest(vectors: impl Iterator<Item = DVec3>) -> f64 {
 /// Deepest place of the skin, and of bodies, inside a collider that is not their own, m.
 fn penetration(avatar: &Avatar, instance: &Instance, skin: &[DVec3]) -> f64 {
     let depths = instance.colliders.iter().flat_map(|collider| {
-        let place = collider.place(&instance.state.frames);
+        let place = collider.world_frame(&instance.state.frames);
         let vertices = avatar.skin.skinning.iter().zip(skin);
         vertices
             .filter(|(bones, _)| may_touch(bones, collider))

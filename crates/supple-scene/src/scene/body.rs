@@ -47,7 +47,7 @@ fn density() -> f64 {
 
 impl SceneBody {
     /// Where it is at first.
-    pub fn place(&self) -> Frame {
+    pub fn initial_frame(&self) -> Frame {
         Frame {
             rotation: rotation_exp(self.rotation_degrees * PI / 180.0),
             position: self.position,
@@ -67,7 +67,8 @@ impl SceneBody {
         let body = RigidBody {
             stiffness: self.stiffness,
             friction: self.friction,
-            ..RigidBody::new(&self.name, (*self.shape).clone(), self.density)?.at(self.place())
+            ..RigidBody::new(&self.name, (*self.shape).clone(), self.density)?
+                .at(self.initial_frame())
         };
         Ok(match self.mass {
             Some(mass) => body.of_mass(mass),

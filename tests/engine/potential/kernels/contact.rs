@@ -42,7 +42,7 @@ pub fn contact(scene: &Scene) -> Outcome {
             let p = contact_point(skinning, scene.joints(), &frames, t);
             let abs_p = abs_position(scene, phase, slot, set, i, rest[i]);
             for (k, collider) in scene.colliders.iter().enumerate() {
-                let place = collider.place(&frames);
+                let place = collider.world_frame(&frames);
                 // A vertex without an area touches nothing, nor one that moves with the collider.
                 let touches = set.measure[i] > 0.0 && may_touch(skinning, collider);
                 let want = match touches {

@@ -26,7 +26,7 @@ pub fn select(scene: &Scene) -> Outcome {
         let p = contact_point(skinning, scene.joints(), &frames, t);
         let abs_p = abs_position(scene, phase, INSTANCE, set, i, rest[i]);
         for collider in &scene.colliders {
-            let place = collider.place(&frames);
+            let place = collider.world_frame(&frames);
             let touches = set.measure[i] > 0.0 && may_touch(skinning, collider);
             let depth = collider.margin - collider.signed_distance(&place, p).distance;
             depths.push(touches.then_some(depth as f32));
