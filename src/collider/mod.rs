@@ -10,6 +10,7 @@ pub(crate) mod mesh;
 mod sampled;
 mod sphere;
 
+#[cfg(feature = "gpu")]
 pub(crate) use mesh::MESH_NODES;
 pub use mesh::{DistanceGrid, MeshShape};
 

@@ -14,6 +14,7 @@ pub use cpu::CpuPotential;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuOptions, GpuPotential};
 pub use pattern::BlockPattern;
+#[cfg(feature = "gpu")]
 pub(crate) use pattern::point_blocks;
 
 use crate::collider::Collider;
