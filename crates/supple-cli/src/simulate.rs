@@ -12,8 +12,8 @@ use supple::{Error, GpuError, Result};
 use supple_files::write_glb;
 use supple_pictures::picture_strip;
 use supple_scene::{
-    Breakdown, FullSpaceRun, Report, Scene, SceneRun, TrackedMotion, load_avatar, read_scene,
-    run_full_space, run_scene,
+    Breakdown, FullSpaceRun, Report, Scene, SceneRun, TrackedMotion, committed_scenes, load_avatar,
+    read_scene, run_full_space, run_scene, unpack_scenes,
 };
 
 /// What evaluates the potential.
@@ -30,7 +30,7 @@ enum Backend {
 /// Arguments of `supple simulate`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A scene file.
+    /// A scene file, or the name of a scene that comes with the program: hand_press, body_walk, …
     scene: PathBuf,
     /// What evaluates the potential.
     #[arg(long, value_enum, default_value = "auto")]
@@ -69,7 +69,7 @@ impl Arguments {
             let problem = "the full space is solved on the CPU; leave --backend gpu out";
             return Err(Error::invalid("--full-space", problem));
         }
-        let mut scene = read_scene(&self.scene)?;
+        let mut scene = read_scene(self.scene_file()?)?;
         if let Some(file) = &self.motion {
             let file = file.clone();
             scene.motion = Some(match scene.motion.take() {
@@ -115,6 +115,23 @@ impl Arguments {
         print_report(&run.report);
         print(format_args!("\nwritten to {}", folder.display()));
         Ok(())
+    }
+
+    /// The file of the scene; one that comes with the program is found in any folder.
+    fn scene_file(&self) -> Result<PathBuf> {
+        if self.scene.exists() || self.scene.extension().is_some() {
+            return Ok(self.scene.clone());
+        }
+        if !committed_scenes().any(|name| self.scene == Path::new(name)) {
+            let names: Vec<&str> = committed_scenes().collect();
+            let problem = format!(
+                "is no file, nor a scene of the program's: {}",
+                names.join(", ")
+            );
+            return Err(Error::format(&self.scene, "scene", problem));
+        }
+        let scenes = unpack_scenes(&self.cache)?;
+        Ok(scenes.join(&self.scene).with_extension("toml"))
     }
 
     /// Why the CPU was taken where nobody asked for it.

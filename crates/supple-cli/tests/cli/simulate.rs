@@ -73,3 +73,25 @@ fn the_full_space_runs_on_the_cpu() {
         &["--full-space", "leave --backend gpu out"],
     );
 }
+
+#[test]
+fn a_scene_of_the_program_is_found_by_its_name_in_any_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = [
+        "simulate",
+        "finger_press",
+        "--backend",
+        "cpu",
+        "--no-pictures",
+        "--json",
+    ];
+    let report: Report = serde_json::from_str(&good(folder.path(), &run)).unwrap();
+    assert_eq!(report.scene, "finger_press");
+    let unknown = ["simulate", "finger_pres"];
+    bad(
+        folder.path(),
+        &unknown,
+        1,
+        &["finger_pres:", "finger_press"],
+    );
+}
