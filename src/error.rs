@@ -44,8 +44,8 @@ pub enum Error {
         /// What failed, with the pivot where it is known.
         problem: String,
     },
-    /// A state or a result held a value that is not finite; the state before the step is kept.
-    #[error("{quantity} is not finite; the state before the step was kept")]
+    /// A state or a result held a value that is not finite. Whoever says so keeps what it had: a step the state before it.
+    #[error("{quantity} is not finite")]
     NotFinite {
         /// Which quantity.
         quantity: &'static str,
