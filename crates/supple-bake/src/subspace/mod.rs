@@ -7,7 +7,8 @@
 //!
 //! ```no_run
 //! # fn main() -> supple::Result<()> {
-//! # use supple::{bake::Truncation, sim::Settings, subspace};
+//! # use supple::sim::Settings;
+//! # use supple_bake::{Truncation, subspace};
 //! # let avatar: supple::model::Avatar = unimplemented!();
 //! let space = subspace::elastic_extension(&avatar, Truncation::OFF)?;
 //! let mut simulation = space.simulation(1, Settings::default())?;
