@@ -11,7 +11,10 @@ mod stopwatch;
 mod tensor;
 
 pub use decomposition::{SingularValues, singular_values, symmetric_eigen};
-pub use parallel::{RowsMut, Split, Strided, in_pool, par_each, par_join, par_map, par_split};
+pub use parallel::{
+    RowsMut, Split, Strided, in_pool, par_each, par_join, par_map, par_members, par_split,
+    thread_index, threads,
+};
 pub use positive_part::positive_part;
 pub use random::Random;
 pub use recycle::recycled;

@@ -24,7 +24,8 @@ pub fn par_each<T: Send>(items: &mut [T], grain: usize, f: impl Fn(usize, &mut T
 /// Tasks that a loop of many items is cut into, for each thread: enough to even out what they cost.
 const TASKS_A_THREAD: usize = 8;
 
-fn threads() -> usize {
+/// How many threads loops use.
+pub fn threads() -> usize {
     #[cfg(feature = "threads")]
     {
         rayon::current_num_threads()
@@ -32,6 +33,18 @@ fn threads() -> usize {
     #[cfg(not(feature = "threads"))]
     {
         1
+    }
+}
+
+/// Which of [`threads`] this one is; 0 outside of the pool.
+pub fn thread_index() -> usize {
+    #[cfg(feature = "threads")]
+    {
+        rayon::current_thread_index().unwrap_or(0)
+    }
+    #[cfg(not(feature = "threads"))]
+    {
+        0
     }
 }
 
@@ -175,6 +188,15 @@ fn split_range<S: Split>(
         || split_range(range.start..middle, grain, head, f),
         || split_range(middle..range.end, grain, tail, f),
     );
+}
+
+/// [`par_split`] in the pool with a task for each item; of one item alone on this thread.
+pub fn par_members<S: Split>(count: usize, parts: S, f: impl Fn(usize, S::Item) + Sync) {
+    if count > 1 {
+        in_pool(|| par_split(count, 1, parts, &f));
+    } else {
+        par_split(count, 1, parts, f);
+    }
 }
 
 /// Runs both, at the same time where there are threads.

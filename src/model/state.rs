@@ -116,6 +116,17 @@ impl State {
         }
     }
 
+    /// Moves to `ratio` times the distance from `origin`, along the step that leads here from there.
+    pub(crate) fn stretch_from(&mut self, origin: &Self, ratio: f64) {
+        for (frame, start) in self.frames.iter_mut().zip(&origin.frames) {
+            let (translation, rotation) = frame.motion_to(start);
+            *frame = start.moved(-ratio * translation, -ratio * rotation);
+        }
+        for (handle, start) in self.handles.iter_mut().zip(&origin.handles) {
+            *handle = *start - (*start - *handle) * ratio;
+        }
+    }
+
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         self.frames

@@ -11,7 +11,7 @@ use faer::{Mat, Par, Spec};
 
 /// Relative residual after the refinement above which f32 has not served: with a scaled condition
 /// number κ it is (κ ε₃₂)², so this is κ ≈ 10⁵.
-const SINGLE_PRECISION_RESIDUAL: f64 = 1e-4;
+pub(super) const SINGLE_PRECISION_RESIDUAL: f64 = 1e-4;
 
 /// LLᵀ of the matrix scaled to a unit diagonal, in f32 with one refinement against the f64 residual
 /// (Higham 2002, §12). Where that fails, in f64; where the matrix is indefinite, in f64 with the
@@ -136,7 +136,7 @@ struct Factor<T> {
 }
 
 /// The two precisions.
-trait Real: faer::traits::RealField + Copy {
+pub(super) trait Real: faer::traits::RealField + Copy {
     fn from_f64(value: f64) -> Self;
     fn to_f64(self) -> f64;
 }

@@ -2,11 +2,10 @@
 
 use super::instance::Instance;
 use super::simulation::Simulation;
-use super::step_start::{skeleton_start, tissue_start};
+use super::step_start::tissue_start;
 use crate::Result;
 use crate::model::State;
 use crate::potential::{Evaluation, Potential};
-use crate::skeleton::SkeletonPotential;
 use serde::Serialize;
 
 /// Energy of one instance: what it has in motion, and how much its potential energies changed in the
@@ -32,13 +31,14 @@ impl EnergyBalance {
     }
 }
 
-impl<P: Potential> Simulation<P> {
+impl<P: Potential + Sync> Simulation<P> {
     /// The energy of every instance after its last step, with colliders and targets where they are
     /// now. Costs an evaluation with its Hessian: a diagnosis, not a part of a step.
     ///
     /// # Errors
     /// A lost device.
     pub async fn energy_balance(&mut self) -> Result<Vec<EnergyBalance>> {
+        let physics = &self.physics;
         // A step that starts at rest from qⁿ⁻¹ has the inertia energy m/(2h²) |x − xⁿ⁻¹|², which at
         // x = xⁿ is kinetic.
         let resting: Vec<_> = self
@@ -52,7 +52,9 @@ impl<P: Potential> Simulation<P> {
             .collect();
         let starts: Vec<_> = resting
             .iter()
-            .map(|instance| tissue_start(&self.settings, self.captured_under_gravity, instance))
+            .map(|instance| {
+                tissue_start(&physics.settings, physics.captured_under_gravity, instance)
+            })
             .collect();
         let states: Vec<_> = self.instances.iter().map(|i| i.state.clone()).collect();
         let all = vec![true; states.len()];
@@ -62,8 +64,8 @@ impl<P: Potential> Simulation<P> {
             .evaluate(&states, &all, &mut evaluations)
             .await?;
         let balance = |((instance, state), evaluation): ((&Instance, &State), &Evaluation)| {
-            let start = skeleton_start(&self.settings, instance);
-            let bones = SkeletonPotential::new(&self.skeleton, &start)
+            let bones = physics
+                .skeleton_potential(instance)
                 .difference(&instance.state.frames, &state.frames);
             let tissue = &evaluation.energies;
             EnergyBalance {

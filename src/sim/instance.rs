@@ -85,6 +85,12 @@ impl Instance {
             at.moved(-velocity * time_step, -angular_velocity * time_step);
     }
 
+    /// Puts qⁿ⁻¹ where it would have been had the last step been `ratio` times as long, so that velocities stay what they
+    /// are in a step of that length.
+    pub(crate) fn stretch_last_step(&mut self, ratio: f64) {
+        self.previous.stretch_from(&self.state, ratio);
+    }
+
     /// Sets the state, at rest: qⁿ⁻¹ = qⁿ.
     pub fn set_state(&mut self, state: State) {
         self.previous = state.clone();

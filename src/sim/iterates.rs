@@ -1,11 +1,12 @@
 //! Where the instances of a batch are, and E with its derivatives there.
 
+use super::members::Members;
 use super::minimisation::Minimisation;
 use super::report::Timings;
 use crate::Result;
-use crate::math::Stopwatch;
+use crate::math::{Stopwatch, par_members};
 use crate::model::State;
-use crate::potential::{Evaluation, HessianForm, Potential};
+use crate::potential::{Evaluation, HessianForm};
 use crate::skeleton::SkeletonEnergies;
 
 /// One iterate q for each instance, and what its last evaluation said.
@@ -17,50 +18,64 @@ pub(super) struct Iterates {
     pub evaluations: Vec<Evaluation>,
     /// E(q) − E(qⁿ) of the skeleton.
     pub skeleton_energies: Vec<SkeletonEnergies>,
+    /// Memory: whose Hessian is exact.
+    exact: Vec<bool>,
 }
 
 impl Iterates {
-    /// Room for `count` instances like `rest`.
-    pub fn new(count: usize, rest: &State) -> Self {
+    /// Room for states like these.
+    pub fn new(states: Vec<State>) -> Self {
+        let count = states.len();
         Self {
-            states: vec![rest.clone(); count],
+            states,
             evaluations: vec![Evaluation::default(); count],
             skeleton_energies: vec![SkeletonEnergies::default(); count],
+            exact: vec![false; count],
         }
     }
 
     /// Evaluates tissue and skeleton where `wanted`.
-    pub async fn evaluate<P: Potential>(
+    pub async fn evaluate<M: Members>(
         &mut self,
-        potential: &mut P,
+        members: &mut M,
         minimisations: &[Minimisation],
         wanted: &[bool],
         timings: &mut Timings,
     ) -> Result<()> {
         let watch = Stopwatch::start();
-        potential
+        members
             .evaluate(&self.states, wanted, &mut self.evaluations)
             .await?;
         timings.evaluation += watch.ms();
         let watch = Stopwatch::start();
-        for (i, minimisation) in minimisations.iter().enumerate().filter(|(i, _)| wanted[*i]) {
-            let (frames, skeleton) = (&self.states[i].frames, &minimisation.skeleton);
+        for (i, exact) in self.exact.iter_mut().enumerate() {
+            *exact = wanted[i] && members.hessian_form(i) == HessianForm::Exact;
+        }
+        let (states, exact) = (&self.states, &self.exact);
+        let parts = (&mut self.evaluations[..], &mut self.skeleton_energies[..]);
+        par_members(wanted.len(), parts, |i, (evaluation, energies)| {
+            if !wanted[i] {
+                return;
+            }
+            let (frames, skeleton) = (&states[i].frames, &minimisations[i].skeleton);
             let Evaluation {
                 gradient, hessian, ..
-            } = &mut self.evaluations[i];
+            } = evaluation;
             skeleton.add_derivatives(frames, gradient, hessian);
-            if potential.hessian_form() == HessianForm::Exact {
+            if exact[i] {
                 skeleton.add_geometric(frames, hessian);
             }
-            self.skeleton_energies[i] = skeleton.difference(&minimisation.current.frames, frames);
-        }
+            *energies = skeleton.difference(&minimisations[i].current.frames, frames);
+        });
         timings.skeleton += watch.ms();
         Ok(())
     }
 
-    /// E(q) − E(qⁿ) of an instance.
-    pub fn energy(&self, i: usize) -> f64 {
-        self.evaluations[i].energies.total() + self.skeleton_energies[i].total()
+    /// E(q) − E(qⁿ) of a group's members together.
+    pub fn energy(&self, members: &[usize]) -> f64 {
+        let energy =
+            |&i: &usize| self.evaluations[i].energies.total() + self.skeleton_energies[i].total();
+        members.iter().map(energy).sum()
     }
 
     /// Exchanges an instance's iterate, with all that is known there, for that in `other`.

@@ -22,7 +22,7 @@ pub struct Iteration<'a> {
 }
 
 /// Called once an iteration for every instance that takes part in it.
-pub type Observer<'a> = dyn FnMut(&Iteration<'_>) + 'a;
+pub type Observer<'a> = dyn FnMut(&Iteration<'_>) + Send + 'a;
 
 impl Iteration<'_> {
     /// |g| over the DoFs that are free; N and N·m count alike.

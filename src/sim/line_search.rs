@@ -1,11 +1,13 @@
 //! Backtracking line search of a batch of instances.
 
+use super::groups::Groups;
+use super::members::Members;
 use super::minimisation::Minimisation;
 use super::report::{Stop, Timings};
 use crate::Result;
 use crate::math::{Stopwatch, recycled};
 use crate::model::State;
-use crate::potential::{Potential, Trial};
+use crate::potential::Trial;
 
 /// Step lengths α tried in one call, call by call: the whole step mostly serves, and what follows shares its calls.
 const CALLS: [&[f64]; 4] = [
@@ -24,57 +26,67 @@ pub(super) struct LineSearch {
     states: Vec<State>,
     differences: Vec<f64>,
     trials: Vec<Trial<'static>>,
-    /// Instances for which no α has served so far.
+    /// Groups for which no α has served so far.
     pending: Vec<usize>,
 }
 
 impl LineSearch {
-    /// Moves every running instance along its step by the first α of 1, ½, ¼, … that lowers the energy
-    /// sufficiently. Where none does, the instance stays and stops.
-    pub async fn search<P: Potential>(
+    /// Moves every running group along its step by the first α of 1, ½, ¼, … that lowers its energy sufficiently.
+    /// Where none does, the group stays and stops.
+    pub async fn search<M: Members>(
         &mut self,
-        potential: &mut P,
+        members: &mut M,
+        groups: &Groups,
         minimisations: &mut [Minimisation],
         states: &mut [State],
         running: &mut [bool],
         timings: &mut Timings,
     ) -> Result<()> {
         self.pending.clear();
-        self.pending
-            .extend((0..running.len()).filter(|&i| running[i]));
+        let runs = |g: &usize| running[groups.members(*g)[0]];
+        self.pending.extend((0..groups.len()).filter(runs));
         for alphas in CALLS {
             if self.pending.is_empty() {
                 return Ok(());
             }
             let watch = Stopwatch::start();
-            self.try_lengths(potential, minimisations, states, alphas)
+            self.try_lengths(members, groups, minimisations, states, alphas)
                 .await?;
             timings.evaluation += watch.ms();
-            self.accept(minimisations, states, alphas);
+            self.accept(groups, minimisations, states, alphas);
         }
-        for &i in &self.pending {
+        for &i in self.pending.iter().flat_map(|&g| groups.members(g)) {
             minimisations[i].report.stop = Stop::LineSearchStalled;
             running[i] = false;
         }
         Ok(())
     }
 
-    /// Fills in E(q + αδ) − E(q) for every pending instance and α.
-    async fn try_lengths<P: Potential>(
+    /// Fills in E(q + αδ) − E(q) for every member of a pending group and every α.
+    async fn try_lengths<M: Members>(
         &mut self,
-        potential: &mut P,
+        members: &mut M,
+        groups: &Groups,
         minimisations: &[Minimisation],
         states: &[State],
         alphas: &[f64],
     ) -> Result<()> {
-        let count = self.pending.len() * alphas.len();
-        while self.states.len() < count {
-            self.states.push(states[0].clone());
-        }
+        let tried = || {
+            self.pending
+                .iter()
+                .flat_map(|&g| groups.members(g))
+                .copied()
+        };
+        let count = tried().count() * alphas.len();
         self.differences.resize(count, 0.0);
+        self.states
+            .resize_with(self.states.len().max(count), || State {
+                frames: Vec::new(),
+                handles: Vec::new(),
+            });
         let mut trials: Vec<Trial<'_>> = recycled(std::mem::take(&mut self.trials));
         let moved = self.states.chunks_mut(alphas.len());
-        for (&i, moved) in self.pending.iter().zip(moved) {
+        for (i, moved) in tried().zip(moved) {
             for (state, alpha) in moved.iter_mut().zip(alphas) {
                 state.clone_from(&states[i]);
                 state.move_by(&minimisations[i].step, *alpha);
@@ -85,7 +97,7 @@ impl LineSearch {
                 });
             }
         }
-        potential
+        members
             .energy_differences(&trials, &mut self.differences)
             .await?;
         for (trial, difference) in trials.iter().zip(&mut self.differences) {
@@ -98,19 +110,32 @@ impl LineSearch {
         Ok(())
     }
 
-    /// Moves the pending instances for which an α is good enough, and keeps the others pending.
-    fn accept(&mut self, minimisations: &[Minimisation], states: &mut [State], alphas: &[f64]) {
-        let mut k = 0;
-        self.pending.retain(|&i| {
-            let found = (0..alphas.len()).find(|t| {
-                let demanded = SUFFICIENT_DECREASE * alphas[*t] * minimisations[i].report.decrement;
+    /// Moves the pending groups for which an α is good enough, and keeps the others pending.
+    fn accept(
+        &mut self,
+        groups: &Groups,
+        minimisations: &[Minimisation],
+        states: &mut [State],
+        alphas: &[f64],
+    ) {
+        let mut first = 0;
+        self.pending.retain(|&g| {
+            let members = groups.members(g);
+            let tried = first..first + members.len();
+            first = tried.end;
+            let lowers = |t: &usize| {
+                let difference = |k| self.differences[k * alphas.len() + t];
+                let decrement = minimisations[members[0]].report.decrement;
+                let demanded = SUFFICIENT_DECREASE * alphas[*t] * decrement;
                 // False for NaN: a trial that overflows is a bad one.
-                self.differences[k * alphas.len() + t] <= -demanded
-            });
+                tried.clone().map(difference).sum::<f64>() <= -demanded
+            };
+            let found = (0..alphas.len()).find(lowers);
             if let Some(t) = found {
-                states[i].clone_from(&self.states[k * alphas.len() + t]);
+                for (k, &i) in tried.clone().zip(members) {
+                    states[i].clone_from(&self.states[k * alphas.len() + t]);
+                }
             }
-            k += 1;
             found.is_none()
         });
     }

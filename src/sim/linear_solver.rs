@@ -101,7 +101,7 @@ pub fn diagonal_scaling(
 }
 
 /// Shifts of the scaled diagonal (1) that are tried in turn when a matrix is not positive definite.
-const DIAGONAL_SHIFTS: [f64; 7] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 0.1, 1.0];
+pub(super) const DIAGONAL_SHIFTS: [f64; 7] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 0.1, 1.0];
 
 /// |D r| over the free DoFs.
 pub fn scaled_norm(r: &[f64], scaling: &[f64], fixed: &[bool]) -> f64 {

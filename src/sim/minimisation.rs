@@ -24,6 +24,8 @@ pub(super) struct Minimisation {
     pub reaction: Vec<f64>,
     /// What happened.
     pub report: InstanceReport,
+    /// How the last solve went.
+    pub solved: Result<()>,
 }
 
 impl Minimisation {
@@ -37,6 +39,7 @@ impl Minimisation {
             step: vec![0.0; dofs],
             reaction: vec![0.0; dofs],
             report: InstanceReport::default(),
+            solved: Ok(()),
         }
     }
 
@@ -49,14 +52,20 @@ impl Minimisation {
         evaluation: &mut Evaluation,
         skeleton_energies: SkeletonEnergies,
     ) -> Result<()> {
-        let energy = evaluation.energies.total() + skeleton_energies.total();
-        if !energy.is_finite() {
-            return Err(Error::NotFinite { quantity: "energy" });
-        }
-        if !evaluation.gradient.iter().all(|g| g.is_finite()) {
-            return Err(Error::NotFinite { quantity: "force" });
-        }
+        check(evaluation, skeleton_energies)?;
         let (solved, dropped) = newton_step(solver, evaluation, &self.fixed, &mut self.step)?;
+        self.report.geometric_dropped += usize::from(dropped);
+        self.finish(pattern, evaluation, skeleton_energies, solved)
+    }
+
+    /// Reports on the iteration whose Newton step has been solved for.
+    pub fn finish(
+        &mut self,
+        pattern: &BlockPattern,
+        evaluation: &Evaluation,
+        skeleton_energies: SkeletonEnergies,
+        solved: SolveReport,
+    ) -> Result<()> {
         if !self.step.iter().all(|d| d.is_finite()) {
             return Err(Error::NotFinite {
                 quantity: "Newton step",
@@ -72,7 +81,6 @@ impl Minimisation {
         report.decrement = -dot(gradient, &self.step);
         report.step_length = step_length(&self.step, self.current.frames.len());
         report.diagonal_shift = report.diagonal_shift.max(solved.diagonal_shift);
-        report.geometric_dropped += usize::from(dropped);
         report.energies = evaluation.energies;
         report.skeleton_energies = skeleton_energies;
         report.contact_force = evaluation.contact_force;
@@ -80,6 +88,18 @@ impl Minimisation {
         report.contacts_left_out = evaluation.contacts_left_out;
         Ok(())
     }
+}
+
+/// An error unless a Newton step can be made from an evaluation.
+pub(super) fn check(evaluation: &Evaluation, skeleton_energies: SkeletonEnergies) -> Result<()> {
+    let energy = evaluation.energies.total() + skeleton_energies.total();
+    if !energy.is_finite() {
+        return Err(Error::NotFinite { quantity: "energy" });
+    }
+    if !evaluation.gradient.iter().all(|g| g.is_finite()) {
+        return Err(Error::NotFinite { quantity: "force" });
+    }
+    Ok(())
 }
 
 /// Solves with the geometric terms of contact where the evaluation has them; where the Hessian is not positive definite

@@ -11,28 +11,38 @@
 //! | `report` | what a step tells about itself |
 //! | `linear_solver` | H δ = −g: the interface, scaling, products |
 //! | `dense_cholesky` | its solver for the reduced system |
+//! | `solvers` | one for each thread |
+//! | `members` | the instances of one asset or of several, evaluated together |
+//! | `groups` | which of them one linear system moves |
 //! | `minimisation` | one instance's Newton step from its evaluation |
 //! | `iterates` | all instances' iterates, evaluated together |
+//! | `coupled` | the linear systems of groups |
 //! | `line_search` | how far they move along their steps |
 //! | `iteration` | what an observer sees of an iteration |
 //! | `newton` | the iterations |
-//! | `simulation` | a step from its start to the new state |
+//! | `stepper` | a step of members of any assets, from its start to the new states |
+//! | `simulation` | avatars of one asset, stepped together |
 //! | `energy_balance` | mechanical energy, measured between steps |
 
+mod coupled;
 mod dense_cholesky;
 mod energy_balance;
+mod groups;
 mod instance;
 mod iterates;
 mod iteration;
 mod line_search;
 pub(crate) mod linear_solver;
+mod members;
 mod minimisation;
 mod newton;
 mod prediction;
 mod report;
 mod settings;
 mod simulation;
+mod solvers;
 mod step_start;
+mod stepper;
 
 pub use dense_cholesky::DenseCholesky;
 pub use energy_balance::EnergyBalance;

@@ -2,17 +2,18 @@
 //!
 //! Each iteration solves H δ = −g and moves the iterate, q ← q + αδ.
 
+use super::coupled::Coupled;
+use super::groups::Groups;
 use super::iterates::Iterates;
 use super::iteration::{Iteration, Observer};
 use super::line_search::LineSearch;
-use super::linear_solver::LinearSolver;
+use super::members::Members;
 use super::minimisation::Minimisation;
 use super::report::{Stop, Timings};
 use super::settings::SolverMode;
+use super::solvers::Solvers;
 use crate::Result;
-use crate::math::Stopwatch;
-use crate::model::State;
-use crate::potential::Potential;
+use crate::math::{Stopwatch, par_members, par_split};
 
 /// What f32 resolves of E, J: a smaller rise is noise.
 const ENERGY_RESOLUTION: f64 = 1e-8;
@@ -22,18 +23,21 @@ const ENERGY_RESOLUTION: f64 = 1e-8;
 /// contact that is being made), and is searched along.
 const TRUST_RADIUS: f64 = 1e-3;
 
-/// Minimises E of all active instances in lockstep. Everything is kept from step to step, so that a
+/// Minimises E of all active members in lockstep, each group as one. Everything is kept from step to step, so that a
 /// step allocates nothing.
 #[derive(Default)]
 pub(super) struct Newton {
-    /// One for each instance.
+    /// One for each member.
     pub minimisations: Vec<Minimisation>,
-    /// Which instances take part.
+    /// Which members take part; those of a group all do or none.
     pub active: Vec<bool>,
     /// The predictions before, the results after.
     pub iterates: Iterates,
     /// Where the minimisations start whose prediction raises the energy, see [`super::prediction::fall_back`].
     pub fallbacks: Iterates,
+    /// Which members move in one linear system.
+    pub groups: Groups,
+    coupled: Coupled,
     /// Which minimisations have not ended yet.
     running: Vec<bool>,
     /// Which predictions raise the energy.
@@ -42,25 +46,29 @@ pub(super) struct Newton {
 }
 
 impl Newton {
-    /// Room for instances like `rest`, none of them active.
-    pub fn new(minimisations: Vec<Minimisation>, rest: &State) -> Self {
+    /// Room for these members, none of them active and each by itself.
+    pub fn new(minimisations: Vec<Minimisation>) -> Self {
         let count = minimisations.len();
+        let states = || minimisations.iter().map(|m| m.current.clone()).collect();
         Self {
-            minimisations,
             active: vec![false; count],
-            iterates: Iterates::new(count, rest),
-            fallbacks: Iterates::new(count, rest),
+            iterates: Iterates::new(states()),
+            fallbacks: Iterates::new(states()),
+            groups: Groups::singles(count),
+            coupled: Coupled::default(),
             running: vec![false; count],
             rising: vec![false; count],
             line_search: LineSearch::default(),
+            minimisations,
         }
     }
 
     /// Minimises from the predictions in [`Newton::iterates`], or the fall-backs, and leaves the results there.
-    pub async fn minimise<P: Potential>(
+    /// `solvers` are those of each asset, see [`Members::asset`].
+    pub async fn minimise<M: Members>(
         &mut self,
-        potential: &mut P,
-        solver: &mut dyn LinearSolver,
+        members: &mut M,
+        solvers: &[Solvers],
         mode: SolverMode,
         timings: &mut Timings,
         observer: &mut Observer<'_>,
@@ -78,15 +86,15 @@ impl Newton {
             ),
         };
         self.running.clone_from(&self.active);
-        self.start(potential, timings).await?;
+        self.start(members, timings).await?;
         for iteration in 1..=max_iterations {
             if iteration > 1 {
-                self.evaluate(potential, timings).await?;
+                self.evaluate(members, timings).await?;
             }
-            self.solve(potential, solver, timings)?;
+            self.solve(members, solvers, timings)?;
             self.show(observer);
             self.take_short_steps(short, when_short);
-            self.search_line(potential, timings).await?;
+            self.search_line(members, timings).await?;
             if !self.running.contains(&true) {
                 return Ok(());
             }
@@ -96,27 +104,27 @@ impl Newton {
     }
 
     /// Evaluates the predictions, then the fall-backs of those that raise the energy, and keeps the lower.
-    async fn start<P: Potential>(
-        &mut self,
-        potential: &mut P,
-        timings: &mut Timings,
-    ) -> Result<()> {
-        self.evaluate(potential, timings).await?;
-        for (i, rising) in self.rising.iter_mut().enumerate() {
-            let falling = self.iterates.energy(i) <= ENERGY_RESOLUTION;
-            // A prediction that overflows is a rise as well.
-            *rising = self.running[i] && !falling;
+    async fn start<M: Members>(&mut self, members: &mut M, timings: &mut Timings) -> Result<()> {
+        self.evaluate(members, timings).await?;
+        for group in 0..self.groups.len() {
+            let group = self.groups.members(group);
+            let falling = self.iterates.energy(group) <= ENERGY_RESOLUTION;
+            for &i in group {
+                // A prediction that overflows is a rise as well.
+                self.rising[i] = self.running[i] && !falling;
+            }
         }
         if !self.rising.contains(&true) {
             return Ok(());
         }
         self.fallbacks
-            .evaluate(potential, &self.minimisations, &self.rising, timings)
+            .evaluate(members, &self.minimisations, &self.rising, timings)
             .await?;
-        for i in (0..self.rising.len()).filter(|&i| self.rising[i]) {
+        for group in 0..self.groups.len() {
+            let group = self.groups.members(group);
             // Pins can carry the bones so far from qⁿ that the prediction is the lower all the same.
-            let lower = self.iterates.energy(i) <= self.fallbacks.energy(i);
-            if !lower {
+            let lower = self.iterates.energy(group) <= self.fallbacks.energy(group);
+            for &i in group.iter().filter(|&&i| self.rising[i] && !lower) {
                 self.iterates.swap(i, &mut self.fallbacks);
                 self.minimisations[i].report.started_at_current = true;
             }
@@ -124,38 +132,66 @@ impl Newton {
         Ok(())
     }
 
-    /// Evaluates E, gradient and Hessian at the iterates of running instances.
-    async fn evaluate<P: Potential>(
-        &mut self,
-        potential: &mut P,
-        timings: &mut Timings,
-    ) -> Result<()> {
+    /// Evaluates E, gradient and Hessian at the iterates of running members.
+    async fn evaluate<M: Members>(&mut self, members: &mut M, timings: &mut Timings) -> Result<()> {
         self.iterates
-            .evaluate(potential, &self.minimisations, &self.running, timings)
+            .evaluate(members, &self.minimisations, &self.running, timings)
             .await
     }
 
-    /// Solves for the Newton step of every running instance.
-    fn solve<P: Potential>(
+    /// Solves for the Newton step of every running member.
+    fn solve<M: Members>(
         &mut self,
-        potential: &P,
-        solver: &mut dyn LinearSolver,
+        members: &M,
+        solvers: &[Solvers],
         timings: &mut Timings,
     ) -> Result<()> {
         let watch = Stopwatch::start();
-        for i in (0..self.running.len()).filter(|&i| self.running[i]) {
-            self.minimisations[i].solve(
-                solver,
-                potential.pattern(),
-                &mut self.iterates.evaluations[i],
-                self.iterates.skeleton_energies[i],
-            )?;
-        }
+        self.solve_singles(members, solvers);
+        self.coupled.solve(
+            &self.groups,
+            members,
+            &self.running,
+            &mut self.minimisations,
+            &mut self.iterates,
+        );
         timings.solve += watch.ms();
+        for (minimisation, running) in self.minimisations.iter_mut().zip(&self.running) {
+            if *running {
+                std::mem::replace(&mut minimisation.solved, Ok(()))?;
+            }
+        }
         Ok(())
     }
 
-    /// Shows the iteration of every running instance.
+    /// Solves for what is alone in its group, one member a task.
+    fn solve_singles<M: Members>(&mut self, members: &M, solvers: &[Solvers]) {
+        let Iterates {
+            evaluations,
+            skeleton_energies,
+            ..
+        } = &mut self.iterates;
+        let skeleton_energies = &*skeleton_energies;
+        let (running, groups) = (&self.running, &self.groups);
+        let solve = |i: usize, (minimisation, evaluation)| {
+            let minimisation: &mut Minimisation = minimisation;
+            if running[i] && groups.is_alone(i) {
+                let (pattern, energies) = (members.pattern(i), skeleton_energies[i]);
+                let solvers = &solvers[members.asset(i)];
+                minimisation.solved = solvers
+                    .lend(|solver| minimisation.solve(solver, pattern, evaluation, energies));
+            }
+        };
+        let parts = (&mut self.minimisations[..], &mut evaluations[..]);
+        if solvers.iter().any(Solvers::is_single) {
+            // A solver that serves all may use threads itself.
+            par_split(running.len(), running.len(), parts, solve);
+        } else {
+            par_members(running.len(), parts, solve);
+        }
+    }
+
+    /// Shows the iteration of every running member.
     fn show(&self, observer: &mut Observer<'_>) {
         for (i, minimisation) in self.minimisations.iter().enumerate() {
             if self.running[i] {
@@ -171,8 +207,8 @@ impl Newton {
         }
     }
 
-    /// Moves every running instance whose step is no longer than `length` by its whole step, and ends its
-    /// minimisation.
+    /// Moves every running member whose step is no longer than `length` (a group's is the longest of its members) by
+    /// its whole step, and ends its minimisation.
     fn take_short_steps(&mut self, length: f64, stop: Stop) {
         for (i, minimisation) in self.minimisations.iter_mut().enumerate() {
             if self.running[i] && minimisation.report.step_length <= length {
@@ -184,14 +220,15 @@ impl Newton {
     }
 
     /// Moves what still runs as far along its step as lowers the energy.
-    async fn search_line<P: Potential>(
+    async fn search_line<M: Members>(
         &mut self,
-        potential: &mut P,
+        members: &mut M,
         timings: &mut Timings,
     ) -> Result<()> {
         let (minimisations, states) = (&mut self.minimisations, &mut self.iterates.states);
+        let (groups, running) = (&self.groups, &mut self.running);
         self.line_search
-            .search(potential, minimisations, states, &mut self.running, timings)
+            .search(members, groups, minimisations, states, running, timings)
             .await
     }
 

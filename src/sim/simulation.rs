@@ -1,46 +1,38 @@
 //! Avatars in time.
 
-use super::dense_cholesky::DenseCholesky;
 use super::instance::Instance;
 use super::iteration::Observer;
 use super::linear_solver::LinearSolver;
-use super::minimisation::Minimisation;
-use super::newton::Newton;
-use super::prediction::{fall_back, predict};
-use super::report::{InstanceReport, Load, StepReport, Timings};
+use super::report::{InstanceReport, StepReport, Timings};
 use super::settings::Settings;
-use super::step_start::{skeleton_start, tissue_start};
-use crate::math::{Stopwatch, recycled};
+use super::solvers::Solvers;
+use super::stepper::{Physics, Stepper};
+use crate::math::Stopwatch;
 use crate::model::Avatar;
-use crate::potential::{Potential, StepStart};
-use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
+use crate::potential::Potential;
+use crate::skeleton::{SkeletonModel, SkeletonPotential};
 use crate::{Error, Result};
 use glam::DVec3;
 
 /// Avatars of one asset, stepped together by backward Euler.
-pub struct Simulation<P: Potential> {
+pub struct Simulation<P> {
     pub(super) potential: P,
-    solver: Box<dyn LinearSolver + Send + Sync>,
-    pub(super) settings: Settings,
-    pub(super) skeleton: SkeletonModel,
-    pub(super) captured_under_gravity: bool,
+    pub(super) physics: Physics,
     pub(super) instances: Vec<Instance>,
-    newton: Newton,
-    /// Memory of the starts of a step.
-    starts: Vec<StepStart<'static>>,
+    stepper: Stepper,
 }
 
-impl<P: Potential> Simulation<P> {
+impl<P: Potential + Sync> Simulation<P> {
     /// `potential.instances()` avatars at rest in the bind pose, with the reduced system's solver.
     ///
     /// # Errors
     /// The avatar or the settings are unusable, or the potential is of another asset.
     pub fn new(avatar: &Avatar, potential: P, settings: Settings) -> Result<Self> {
-        let solver = Box::new(DenseCholesky::new(potential.pattern()));
-        Self::with_solver(avatar, potential, settings, solver)
+        let solvers = Solvers::dense(potential.pattern(), potential.instances());
+        Self::with_solvers(avatar, potential, settings, solvers)
     }
 
-    /// The same with a solver of one's own.
+    /// The same with a solver of one's own, which serves all instances in turn.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -48,7 +40,16 @@ impl<P: Potential> Simulation<P> {
         avatar: &Avatar,
         potential: P,
         settings: Settings,
-        solver: Box<dyn LinearSolver + Send + Sync>,
+        solver: Box<dyn LinearSolver + Send>,
+    ) -> Result<Self> {
+        Self::with_solvers(avatar, potential, settings, Solvers::one(solver))
+    }
+
+    fn with_solvers(
+        avatar: &Avatar,
+        potential: P,
+        settings: Settings,
+        solvers: Solvers,
     ) -> Result<Self> {
         avatar.validate()?;
         settings.validate()?;
@@ -58,33 +59,26 @@ impl<P: Potential> Simulation<P> {
                 "was made for an avatar with other numbers of bones or handles",
             ));
         }
-        let skeleton = SkeletonModel::new(avatar);
+        let physics = Physics {
+            skeleton: SkeletonModel::new(avatar),
+            captured_under_gravity: avatar.captured_under_gravity,
+            settings,
+        };
         let instances: Vec<_> = (0..potential.instances())
             .map(|_| Instance::new(avatar, &settings))
             .collect();
-        let minimisations = instances
-            .iter()
-            .map(|instance| {
-                let start = skeleton_start(&settings, instance);
-                let skeleton = SkeletonPotential::new(&skeleton, &start);
-                Minimisation::new(skeleton, instance.state.clone())
-            })
-            .collect();
+        let members = instances.iter().map(|instance| (&physics, instance));
         Ok(Self {
-            newton: Newton::new(minimisations, &avatar.rest_state()),
+            stepper: Stepper::new(members, vec![solvers]),
             potential,
-            solver,
-            settings,
-            skeleton,
-            captured_under_gravity: avatar.captured_under_gravity,
+            physics,
             instances,
-            starts: Vec::new(),
         })
     }
 
     /// The constants.
     pub fn settings(&self) -> &Settings {
-        &self.settings
+        &self.physics.settings
     }
 
     /// Other constants for the steps that follow; velocities stay what they are, also where the time step changes.
@@ -94,15 +88,13 @@ impl<P: Potential> Simulation<P> {
     /// They are unusable.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
-        let ratio = settings.time_step / self.settings.time_step;
+        let ratio = settings.time_step / self.physics.settings.time_step;
         if ratio != 1.0 {
             for instance in &mut self.instances {
-                // qⁿ⁻¹ is where it would have been a new time step ago.
-                let step = instance.previous.step_to(&instance.state);
-                instance.previous = instance.state.moved(&step, -ratio);
+                instance.stretch_last_step(ratio);
             }
         }
-        self.settings = settings;
+        self.physics.settings = settings;
         Ok(())
     }
 
@@ -118,8 +110,7 @@ impl<P: Potential> Simulation<P> {
 
     /// The bones' own terms of the next step of an instance, with targets where they are now.
     pub fn skeleton_potential(&self, instance: usize) -> SkeletonPotential {
-        let start = skeleton_start(&self.settings, &self.instances[instance]);
-        SkeletonPotential::new(&self.skeleton, &start)
+        self.physics.skeleton_potential(&self.instances[instance])
     }
 
     /// The instances.
@@ -165,39 +156,25 @@ impl<P: Potential> Simulation<P> {
     ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut timings = Timings::default();
-        self.begin_step(&mut timings).await?;
-        let (newton, solver) = (&mut self.newton, &mut *self.solver);
-        newton
-            .minimise(
-                &mut self.potential,
-                solver,
-                self.settings.solver,
-                &mut timings,
-                observer,
-            )
+        let (physics, stepper) = (&self.physics, &mut self.stepper);
+        let all = 0..self.instances.len();
+        stepper.begin(all.clone(), physics, &self.instances)?;
+        timings.skeleton += watch.ms();
+        let members = self.instances.iter().map(|instance| (physics, instance));
+        stepper
+            .minimise(&mut self.potential, members, &mut timings, observer)
             .await?;
-        for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
-            if *active && !state.is_finite() {
-                return Err(Error::NotFinite { quantity: "state" });
-            }
-        }
-        let skin = Stopwatch::start();
-        self.potential
-            .pose_skin(&self.newton.iterates.states)
-            .await?;
-        timings.skin = skin.ms();
-        self.commit();
+        stepper.commit(all.clone(), physics, &mut self.instances);
         let evaluation = self.potential.timings();
         timings.force = evaluation.force;
         timings.hessian = evaluation.hessian;
         timings.readback = evaluation.readback;
         timings.step = watch.ms();
         report.timings = timings;
-        let count = self.instances.len();
-        report.instances.resize_with(count, InstanceReport::default);
-        let minimisations = &mut self.newton.minimisations;
-        for (out, minimisation) in report.instances.iter_mut().zip(minimisations) {
-            std::mem::swap(out, &mut minimisation.report);
+        let reports = &mut report.instances;
+        reports.resize_with(all.len(), InstanceReport::default);
+        for (i, out) in reports.iter_mut().enumerate() {
+            stepper.swap_report(i, out);
         }
         Ok(())
     }
@@ -221,80 +198,5 @@ impl<P: Potential> Simulation<P> {
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
         pollster::block_on(self.potential.read_skin(instance, positions, normals))
-    }
-
-    /// Checks the input, predicts, and starts the potential's step.
-    async fn begin_step(&mut self, timings: &mut Timings) -> Result<()> {
-        let watch = Stopwatch::start();
-        for (i, instance) in self.instances.iter().enumerate() {
-            self.newton.active[i] = instance.active;
-            let minimisation = &mut self.newton.minimisations[i];
-            minimisation.report.reset();
-            if !instance.active {
-                self.newton.iterates.states[i].clone_from(&instance.state);
-                continue;
-            }
-            instance.validate(&minimisation.current)?;
-            let start = skeleton_start(&self.settings, instance);
-            minimisation.skeleton.restart(&self.skeleton, &start);
-            minimisation.current.clone_from(&instance.state);
-            let skeleton = self.skeleton.skeleton();
-            fall_back(skeleton, instance, &mut self.newton.fallbacks.states[i]);
-            predict(skeleton, instance, &mut self.newton.iterates.states[i]);
-            minimisation.fixed.fill(false);
-            for pin in &instance.pins {
-                minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
-            }
-        }
-        timings.skeleton += watch.ms();
-        let watch = Stopwatch::start();
-        let mut starts: Vec<StepStart<'_>> = recycled(std::mem::take(&mut self.starts));
-        let (settings, captured) = (&self.settings, self.captured_under_gravity);
-        let start = |instance| tissue_start(settings, captured, instance);
-        starts.extend(self.instances.iter().map(start));
-        self.potential
-            .begin_step(&starts, &self.newton.active)
-            .await?;
-        self.starts = recycled(starts);
-        timings.evaluation += watch.ms();
-        Ok(())
-    }
-
-    /// Makes the iterates the new states and completes the reports.
-    fn commit(&mut self) {
-        let newton = &mut self.newton;
-        for (i, instance) in self.instances.iter_mut().enumerate() {
-            if !newton.active[i] {
-                continue;
-            }
-            std::mem::swap(&mut instance.previous, &mut instance.state);
-            instance.state.clone_from(&newton.iterates.states[i]);
-            let frames = &instance.state.frames;
-            let minimisation = &mut newton.minimisations[i];
-            minimisation.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
-            minimisation.report.weight = self.skeleton.total_mass() * instance.gravity;
-            let tracking = minimisation.skeleton.tracking().iter().map(|term| {
-                let (force, torque) = term.load(frames);
-                let bone = term.bone();
-                Load {
-                    bone,
-                    force,
-                    torque,
-                }
-            });
-            let block = |b: usize| DVec3::from_slice(&minimisation.reaction[3 * b..3 * b + 3]);
-            let pins = instance.pins.iter().map(|pin| Load {
-                bone: pin.bone,
-                force: block(2 * pin.bone),
-                torque: block(2 * pin.bone + 1),
-            });
-            minimisation.report.loads.extend(tracking.chain(pins));
-            for target in &mut instance.targets {
-                target.previous = target.frame;
-            }
-            for collider in &mut instance.colliders {
-                collider.previous = collider.frame;
-            }
-        }
     }
 }

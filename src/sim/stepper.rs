@@ -1,0 +1,228 @@
+//! A step of members of any assets, from their instances to their instances.
+
+use super::groups::Link;
+use super::instance::Instance;
+use super::iteration::Observer;
+use super::members::Members;
+use super::minimisation::Minimisation;
+use super::newton::Newton;
+use super::prediction::{fall_back, predict};
+use super::report::{InstanceReport, Load, Timings};
+use super::settings::Settings;
+use super::solvers::Solvers;
+use super::step_start::{skeleton_start, tissue_start};
+use crate::math::{Stopwatch, par_members, recycled};
+use crate::model::State;
+use crate::potential::StepStart;
+use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
+use crate::{Error, Result};
+use glam::DVec3;
+use std::ops::Range;
+
+/// What steps the instances of an asset, all constant.
+#[derive(Clone, Debug)]
+pub(crate) struct Physics {
+    /// The bones' own terms.
+    pub skeleton: SkeletonModel,
+    /// Whether the rest shape already sags, see [`Avatar::captured_under_gravity`](crate::model::Avatar).
+    pub captured_under_gravity: bool,
+    /// What stays the same through its steps.
+    pub settings: Settings,
+}
+
+impl Physics {
+    /// The bones' own terms of the next step of `instance`.
+    pub fn skeleton_potential(&self, instance: &Instance) -> SkeletonPotential {
+        let start = skeleton_start(&self.settings, instance);
+        SkeletonPotential::new(&self.skeleton, &start)
+    }
+}
+
+/// The memory of steps of a list of members. The instances of an asset are consecutive members.
+pub(crate) struct Stepper {
+    newton: Newton,
+    /// One set for each asset, see [`Members::asset`].
+    solvers: Vec<Solvers>,
+    /// Memory of the starts of a step.
+    starts: Vec<StepStart<'static>>,
+}
+
+impl Stepper {
+    /// Room for `members` of assets that have `solvers`.
+    pub fn new<'a>(
+        members: impl Iterator<Item = (&'a Physics, &'a Instance)>,
+        solvers: Vec<Solvers>,
+    ) -> Self {
+        let minimisation = |(physics, instance): (&Physics, &Instance)| {
+            let skeleton = physics.skeleton_potential(instance);
+            Minimisation::new(skeleton, instance.state.clone())
+        };
+        Self {
+            newton: Newton::new(members.map(minimisation).collect()),
+            solvers,
+            starts: Vec::new(),
+        }
+    }
+
+    /// From now on these links join members.
+    pub fn join(&mut self, links: &[Link]) {
+        let count = self.newton.minimisations.len();
+        self.newton.groups.set(count, links);
+    }
+
+    /// Checks and predicts the `instances` of an asset, which are the members of `range`.
+    pub fn begin(
+        &mut self,
+        range: Range<usize>,
+        physics: &Physics,
+        instances: &[Instance],
+    ) -> Result<()> {
+        let newton = &mut self.newton;
+        for (active, instance) in newton.active[range.clone()].iter_mut().zip(instances) {
+            *active = instance.active;
+        }
+        let minimisations = &mut newton.minimisations[range.clone()];
+        let parts = (
+            &mut minimisations[..],
+            &mut newton.iterates.states[range.clone()],
+            &mut newton.fallbacks.states[range.clone()],
+        );
+        par_members(
+            range.len(),
+            parts,
+            |i, (minimisation, iterate, fallback)| {
+                let instance = &instances[i];
+                minimisation.report.reset();
+                if !instance.active {
+                    iterate.clone_from(&instance.state);
+                    return;
+                }
+                minimisation.solved = instance.validate(&minimisation.current);
+                if minimisation.solved.is_err() {
+                    return;
+                }
+                let start = skeleton_start(&physics.settings, instance);
+                minimisation.skeleton.restart(&physics.skeleton, &start);
+                minimisation.current.clone_from(&instance.state);
+                let skeleton = physics.skeleton.skeleton();
+                fall_back(skeleton, instance, fallback);
+                predict(skeleton, instance, iterate);
+                minimisation.fixed.fill(false);
+                for pin in &instance.pins {
+                    minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
+                }
+            },
+        );
+        let mut solved = minimisations.iter_mut().map(|m| &mut m.solved);
+        solved.try_for_each(|solved| std::mem::replace(solved, Ok(())))
+    }
+
+    /// Holds frame `frame` of a member where it is in this step.
+    pub fn hold(&mut self, member: usize, frame: usize) {
+        self.newton.minimisations[member].fixed[6 * frame..6 * frame + 6].fill(true);
+    }
+
+    /// Gives a link's frame the place of its body, in prediction and fall-back.
+    pub fn follow_body(&mut self, link: &Link) {
+        for iterates in [&mut self.newton.iterates, &mut self.newton.fallbacks] {
+            let body = iterates.states[link.body].frames[0];
+            iterates.states[link.member].frames[link.frame] = body;
+        }
+    }
+
+    /// Minimises from what [`Stepper::begin`] left, and poses the skin of the result. `each` is every member in order.
+    pub async fn minimise<'a, M: Members>(
+        &mut self,
+        members: &mut M,
+        each: impl Iterator<Item = (&'a Physics, &'a Instance)>,
+        timings: &mut Timings,
+        observer: &mut Observer<'_>,
+    ) -> Result<()> {
+        let watch = Stopwatch::start();
+        let mut starts: Vec<StepStart<'_>> = recycled(std::mem::take(&mut self.starts));
+        let mut mode = None;
+        starts.extend(each.map(|(physics, instance)| {
+            mode = Some(physics.settings.solver);
+            tissue_start(&physics.settings, physics.captured_under_gravity, instance)
+        }));
+        let newton = &mut self.newton;
+        members.begin_step(&starts, &newton.active).await?;
+        self.starts = recycled(starts);
+        timings.evaluation += watch.ms();
+        let Some(mode) = mode else {
+            return Ok(());
+        };
+        newton
+            .minimise(members, &self.solvers, mode, timings, observer)
+            .await?;
+        for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
+            if *active && !state.is_finite() {
+                return Err(Error::NotFinite { quantity: "state" });
+            }
+        }
+        let watch = Stopwatch::start();
+        members.pose_skin(&newton.iterates.states).await?;
+        timings.skin = watch.ms();
+        Ok(())
+    }
+
+    /// Makes the iterates the new states of the `instances` of an asset, which are the members of `range`, and completes
+    /// the reports.
+    pub fn commit(&mut self, range: Range<usize>, physics: &Physics, instances: &mut [Instance]) {
+        let newton = &mut self.newton;
+        let (states, active) = (&newton.iterates.states, &newton.active);
+        let parts = (&mut newton.minimisations[range.clone()], instances);
+        par_members(range.len(), parts, |i, (minimisation, instance)| {
+            let member = range.start + i;
+            if active[member] {
+                commit(minimisation, &states[member], physics, instance);
+            }
+        });
+    }
+
+    /// Exchanges the report of a member for the memory of an older one.
+    pub fn swap_report(&mut self, member: usize, report: &mut InstanceReport) {
+        std::mem::swap(report, &mut self.newton.minimisations[member].report);
+    }
+
+    /// The states that the last step led to.
+    pub fn states(&self) -> &[State] {
+        &self.newton.iterates.states
+    }
+}
+
+/// Makes `state` the new state of an active instance and completes its report.
+fn commit(
+    minimisation: &mut Minimisation,
+    state: &State,
+    physics: &Physics,
+    instance: &mut Instance,
+) {
+    std::mem::swap(&mut instance.previous, &mut instance.state);
+    instance.state.clone_from(state);
+    let frames = &instance.state.frames;
+    let report = &mut minimisation.report;
+    report.max_joint_gap = joint_gap(physics.skeleton.skeleton(), frames);
+    report.weight = physics.skeleton.total_mass() * instance.gravity;
+    let tracking = minimisation.skeleton.tracking().iter().map(|term| {
+        let (force, torque) = term.load(frames);
+        Load {
+            bone: term.bone(),
+            force,
+            torque,
+        }
+    });
+    let block = |b: usize| DVec3::from_slice(&minimisation.reaction[3 * b..3 * b + 3]);
+    let pins = instance.pins.iter().map(|pin| Load {
+        bone: pin.bone,
+        force: block(2 * pin.bone),
+        torque: block(2 * pin.bone + 1),
+    });
+    report.loads.extend(tracking.chain(pins));
+    for target in &mut instance.targets {
+        target.previous = target.frame;
+    }
+    for collider in &mut instance.colliders {
+        collider.previous = collider.frame;
+    }
+}
