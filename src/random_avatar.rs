@@ -66,6 +66,7 @@ pub fn random_avatar(
         damping_time: 0.01,
         captured_under_gravity: true,
         bodies: Vec::new(),
+        body_slots: 0,
     }
 }
 

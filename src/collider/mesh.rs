@@ -76,6 +76,12 @@ impl MeshShape {
         WEDGE.clone()
     }
 
+    /// Radius of a ball about the shape's origin that holds it, m.
+    pub(crate) fn bounding_radius(&self) -> f64 {
+        let (low, extent) = (self.0.low, self.0.spacing * (MESH_NODES - 1) as f64);
+        low.abs().max((low + extent).abs()).length()
+    }
+
     /// Its distances.
     pub fn grid(&self) -> &Arc<DistanceGrid> {
         &self.0

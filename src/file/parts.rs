@@ -136,6 +136,7 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         captured_under_gravity: tissue.captured_under_gravity,
         layer: reader.optional(LAYER)?.unwrap_or_default(),
         bodies: Vec::new(),
+        body_slots: 0,
     })
 }
 

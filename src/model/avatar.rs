@@ -73,6 +73,9 @@ pub struct Avatar {
     /// triangles are theirs. They are no part of a baked file.
     #[serde(skip)]
     pub bodies: Vec<RigidBody>,
+    /// Frames at the end that stand for bodies of a world ([`Avatar::with_body_slots`]): they have no mass of their own.
+    #[serde(skip)]
+    pub body_slots: usize,
 }
 
 impl Avatar {
@@ -173,7 +176,7 @@ impl Avatar {
         };
         let below = |index: u32, count: usize| (index as usize) < count;
         check(
-            self.bone_masses.len() == bones,
+            self.bone_masses.len() + self.body_slots == bones,
             "bone_masses",
             "one is needed for each bone",
         )?;

@@ -1,7 +1,11 @@
 //! Rigid bodies in an avatar's system: bones without tissue.
 
-use super::{Avatar, BasisEntry, BoneMass, Frame, PointSet, Skeleton, SkinWeight, Surface};
+use super::{
+    Avatar, BasisEntry, BoneMass, Frame, PointSet, Skeleton, SkinWeight, SoftLayer, Surface,
+};
 use crate::collider::{Collider, Shape};
+use crate::material::{Material, StableNeoHookean};
+use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::ops::Range;
@@ -125,9 +129,28 @@ impl Avatar {
         Ok(())
     }
 
+    /// The avatar with `count` further root frames, which stand for bodies that others move: they have no mass, and
+    /// nothing but colliders that they carry. A world gives them the places of the bodies that the avatar touches.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of an avatar that has bodies of its own.
+    pub fn with_body_slots(mut self, count: usize) -> Result<Self> {
+        if !self.bodies.is_empty() || self.body_slots > 0 {
+            let problem = "the avatar has bodies of its own; hand it in without them";
+            return Err(Error::invalid("bodies", problem));
+        }
+        for i in 0..count {
+            self.skeleton.names.push(format!("body slot {i}"));
+            self.skeleton.parents.push(None);
+            self.skeleton.joints.push(DVec3::ZERO);
+        }
+        self.body_slots = count;
+        Ok(self)
+    }
+
     /// Number of the character's own bones: frames before those of the bodies.
     pub fn bones(&self) -> usize {
-        self.skeleton.len().saturating_sub(self.bodies.len())
+        (self.skeleton.len()).saturating_sub(self.bodies.len() + self.body_slots)
     }
 
     /// The character's own bones, without the bodies.
@@ -180,6 +203,42 @@ impl Avatar {
             body.collider(frame).validate().map_err(of_body)?;
         }
         Ok(())
+    }
+}
+
+impl RigidBody {
+    /// The body as an avatar of one bone, which has no tissue: what a world steps it as.
+    pub(crate) fn alone(&self) -> Avatar {
+        let mut skin = PointSet::default();
+        skin.append_rigid(&self.surface, 0, DVec3::ZERO);
+        Avatar {
+            name: self.name.clone(),
+            skeleton: Skeleton {
+                names: vec![self.name.clone()],
+                parents: vec![None],
+                joints: vec![DVec3::ZERO],
+                aliases: Vec::new(),
+                limits: Vec::new(),
+            },
+            bone_masses: vec![self.mass],
+            handles: Vec::new(),
+            cubature: PointSet::default(),
+            skin,
+            triangles: self.surface.triangles.clone(),
+            attached: Rows::default(),
+            render_meshes: Vec::new(),
+            material: Material::StableNeoHookean(StableNeoHookean {
+                youngs_modulus: 1.0,
+                poissons_ratio: 0.0,
+            }),
+            tissue: Vec::new(),
+            density: 1.0,
+            damping_time: 0.0,
+            captured_under_gravity: false,
+            layer: SoftLayer::default(),
+            bodies: Vec::new(),
+            body_slots: 0,
+        }
     }
 }
 

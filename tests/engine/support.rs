@@ -122,6 +122,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         damping_time: 0.0,
         captured_under_gravity,
         bodies: Vec::new(),
+        body_slots: 0,
         layer: SoftLayer {
             tissue_fraction: vec![1.0; mesh.tets.len()],
             skinning: mesh.nodes.iter().map(|&x| weights(x)).collect(),

@@ -166,6 +166,7 @@ pub fn bake(
             tissue: layer_tissue,
         },
         bodies: Vec::new(),
+        body_slots: 0,
     };
     avatar.validate()?;
     mesh_report.quality = quality;

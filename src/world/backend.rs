@@ -1,0 +1,212 @@
+//! Where a world's tissue is evaluated.
+
+#[cfg(feature = "gpu")]
+use crate::gpu::{AdapterChoice, GpuDevice};
+use crate::model::{Avatar, State};
+#[cfg(feature = "gpu")]
+use crate::potential::{GpuOptions, GpuPotential};
+use crate::potential::{
+    BlockPattern, CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, StepStart,
+    Trial,
+};
+use crate::{Error, Result};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Where a world's tissue is evaluated.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub enum Backend {
+    /// On a hardware GPU where there is one, and on the CPU otherwise: [`World::backend`](super::World::backend) says
+    /// which. A software GPU is not taken, as the CPU is faster.
+    #[default]
+    Auto,
+    /// In f64 on the CPU.
+    Cpu,
+    /// On the host's own device, made with at least [`required_limits`](crate::gpu::required_limits).
+    #[cfg(feature = "gpu")]
+    Gpu {
+        /// The device.
+        device: wgpu::Device,
+        /// Its queue.
+        queue: wgpu::Queue,
+    },
+}
+
+/// A backend that has been found.
+#[derive(Debug)]
+pub(super) enum Opened {
+    Cpu,
+    #[cfg(feature = "gpu")]
+    Gpu {
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    },
+}
+
+/// What an asset's evaluator must have room for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Room {
+    pub instances: usize,
+    /// Frames that stand for bodies.
+    pub body_slots: usize,
+    /// Colliders of an instance, bodies' included.
+    pub colliders: usize,
+    /// Different meshes of colliders.
+    pub meshes: usize,
+}
+
+impl Room {
+    /// Room for both.
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            instances: self.instances.max(other.instances),
+            body_slots: self.body_slots.max(other.body_slots),
+            colliders: self.colliders.max(other.colliders),
+            meshes: self.meshes.max(other.meshes),
+        }
+    }
+
+    /// The same or more, in powers of two, so that what grows one by one is made anew seldom.
+    pub fn rounded_up(self) -> Self {
+        let up = |n: usize| if n == 0 { 0 } else { n.next_power_of_two() };
+        Self {
+            instances: up(self.instances),
+            body_slots: up(self.body_slots),
+            colliders: up(self.colliders),
+            meshes: up(self.meshes),
+        }
+    }
+}
+
+impl Backend {
+    pub(super) async fn open(self) -> Result<Opened> {
+        match self {
+            Self::Cpu => Ok(Opened::Cpu),
+            #[cfg(feature = "gpu")]
+            Self::Gpu { device, queue } => Ok(Opened::Gpu { device, queue }),
+            #[cfg(feature = "gpu")]
+            Self::Auto => Ok(match GpuDevice::open(AdapterChoice::Hardware).await {
+                Ok(GpuDevice { device, queue, .. }) => Opened::Gpu { device, queue },
+                Err(_) => Opened::Cpu,
+            }),
+            #[cfg(not(feature = "gpu"))]
+            Self::Auto => Ok(Opened::Cpu),
+        }
+    }
+}
+
+impl Opened {
+    /// Evaluates avatars of one asset; `avatar` has the body slots of `room`.
+    pub fn evaluator(&self, avatar: &Arc<Avatar>, room: Room) -> Result<Evaluator> {
+        match self {
+            Self::Cpu => Evaluator::cpu(avatar, room),
+            #[cfg(feature = "gpu")]
+            Self::Gpu { device, queue } => {
+                let options = GpuOptions {
+                    colliders: room.colliders.max(1),
+                    meshes: room.meshes.max(1),
+                    ..GpuOptions::default()
+                };
+                let (avatar, instances) = (avatar.clone(), room.instances.max(1));
+                let potential = GpuPotential::new(device, queue, avatar, instances, options)?;
+                Ok(Evaluator::Gpu(Box::new(potential)))
+            }
+        }
+    }
+
+    /// What evaluates, for reports.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Cpu => "cpu".into(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu { device, .. } => device.adapter_info().name,
+        }
+    }
+}
+
+/// The tissue's energy of the instances of one asset.
+pub(super) enum Evaluator {
+    Cpu(Box<CpuPotential>),
+    #[cfg(feature = "gpu")]
+    Gpu(Box<GpuPotential>),
+}
+
+/// Calls the same method of either.
+macro_rules! either {
+    ($evaluator:expr, |$potential:ident| $call:expr) => {
+        match $evaluator {
+            Evaluator::Cpu($potential) => $call,
+            #[cfg(feature = "gpu")]
+            Evaluator::Gpu($potential) => $call,
+        }
+    };
+}
+
+impl Evaluator {
+    /// In f64 on the CPU.
+    pub fn cpu(avatar: &Arc<Avatar>, room: Room) -> Result<Self> {
+        let potential = CpuPotential::new(avatar.clone(), room.instances.max(1))?;
+        Ok(Self::Cpu(Box::new(potential)))
+    }
+
+    pub fn pattern(&self) -> &BlockPattern {
+        either!(self, |potential| potential.pattern())
+    }
+
+    pub fn hessian_form(&self) -> HessianForm {
+        either!(self, |potential| potential.hessian_form())
+    }
+
+    pub fn timings(&self) -> EvaluationTimings {
+        either!(self, |potential| potential.timings())
+    }
+
+    pub async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
+        either!(self, |potential| potential.begin_step(starts, active).await)
+    }
+
+    pub async fn evaluate(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [Evaluation],
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .evaluate(states, wanted, out)
+            .await)
+    }
+
+    pub async fn energy_differences(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [f64],
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .energy_differences(trials, out)
+            .await)
+    }
+
+    pub async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+        either!(self, |potential| potential.pose_skin(states).await)
+    }
+
+    pub async fn read_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .read_skin(instance, positions, normals)
+            .await)
+    }
+}
+
+/// The error of a key that names nothing (any more).
+pub(super) fn gone(what: &str) -> Error {
+    Error::invalid(
+        what,
+        "this world has none of that key: it was removed, or the key is another world's",
+    )
+}
