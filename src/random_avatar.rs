@@ -4,8 +4,8 @@
 use crate::material::{LocalTissue, Material, StableNeoHookean};
 use crate::math::{Random, Rows};
 use crate::model::{
-    Avatar, BasisEntry, BoneMass, Frame, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer,
-    State, TetMesh,
+    Avatar, BasisEntry, BoneMass, Frame, JointList, PointSet, PoseBlend, Skeleton, SkinWeight,
+    SoftLayer, State, TetMesh, UpAxis,
 };
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
@@ -48,6 +48,8 @@ pub fn random_avatar(
     let followed = |k: usize| (0..k as u32).map(|v| (v, 0.4));
     Avatar {
         name: format!("random {seed}"),
+        joints: JointList::of_bones(&skeleton),
+        up: UpAxis::Z,
         skeleton,
         bone_masses,
         handles: handle_positions,

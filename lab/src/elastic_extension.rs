@@ -150,6 +150,7 @@ fn source(runner: &Runner, truncation: Truncation) -> AvatarSource {
             betas: Vec::new(),
         },
         scale: None,
+        up: None,
         bake: Some(recipe),
     }
     .into()

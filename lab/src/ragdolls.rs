@@ -75,7 +75,7 @@ fn play(runner: &Runner, scene: &Scene, name: &'static str) -> Result<Ragdoll> {
     let swing = times.iter().zip(states).map(|(t, s)| (*t, pelvis(s)));
     let step = scene.settings.time_step;
     let energy = states.windows(2).zip(&times[1..]).map(|(s, t)| {
-        let now = mechanics(&avatar, &s[0], &s[1], step, scene.gravity);
+        let now = mechanics(&avatar, &s[0], &s[1], step, scene.gravity());
         (*t, now.energy())
     });
     Ok(Ragdoll {

@@ -3,6 +3,8 @@
 //! | tag | what | without it |
 //! |---|---|---|
 //! | `bone` | name, skeleton, bone masses | refused |
+//! | `join` | the file's joints and skins, and the bone of each joint | each bone is a joint with F = 1 |
+//! | `upax` | the axis that points up in the reference shape | y |
 //! | `hndl` | rest positions of the handles | no handles |
 //! | `cuba` | cubature points | refused |
 //! | `skin` | skin vertices and triangles | refused |
@@ -18,7 +20,8 @@ use super::sparse_columns::SparseColumns;
 use crate::material::{LocalTissue, Material};
 use crate::math::Rows;
 use crate::model::{
-    Avatar, BasisEntry, BoneMass, PointSet, PoseBlend, RenderMesh, Skeleton, SkinWeight, SoftLayer,
+    Avatar, BasisEntry, BoneMass, JointList, PointSet, PoseBlend, RenderMesh, Skeleton, SkinWeight,
+    SoftLayer, UpAxis,
 };
 use crate::{Error, Result};
 use glam::DVec3;
@@ -31,6 +34,8 @@ use std::path::Path;
 const VERSION: u32 = 1;
 
 const BONES: [u8; 4] = *b"bone";
+const JOINTS: [u8; 4] = *b"join";
+const UP_AXIS: [u8; 4] = *b"upax";
 const HANDLES: [u8; 4] = *b"hndl";
 const CUBATURE: [u8; 4] = *b"cuba";
 const SKIN: [u8; 4] = *b"skin";
@@ -92,6 +97,12 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
         section(SKIN, &(Points::of(&avatar.skin), triangles))?,
         section(MATERIAL, &tissue)?,
     ];
+    if avatar.joints != JointList::of_bones(&avatar.skeleton) {
+        sections.push(section(JOINTS, &avatar.joints)?);
+    }
+    if avatar.up != UpAxis::default() {
+        sections.push(section(UP_AXIS, &avatar.up)?);
+    }
     for (tag, set) in [(CUBATURE_POSE, &avatar.cubature), (SKIN_POSE, &avatar.skin)] {
         if set.pose_blend != PoseBlend::default() {
             sections.push(section(
@@ -119,8 +130,14 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
     let cubature: Points<'static> = reader.required(CUBATURE)?;
     let (skin, triangles): (Points<'static>, Triangles<'static>) = reader.required(SKIN)?;
     let tissue: Tissue<'static> = reader.required(MATERIAL)?;
+    let joints = match reader.optional(JOINTS)? {
+        Some(joints) => joints,
+        None => JointList::of_bones(&skeleton),
+    };
     Ok(Avatar {
         name: name.into_owned(),
+        joints,
+        up: reader.optional(UP_AXIS)?.unwrap_or_default(),
         skeleton: skeleton.into_owned(),
         bone_masses: masses.into_owned(),
         handles: reader.optional(HANDLES)?.unwrap_or_default(),

@@ -1,6 +1,8 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
-use super::{BoneMass, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh};
+use super::{
+    BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh, UpAxis,
+};
 use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;
 use crate::model::RenderMesh;
@@ -41,6 +43,10 @@ pub struct Avatar {
     pub name: String,
     /// Bones.
     pub skeleton: Skeleton,
+    /// What the character's file calls its nodes, and which bone goes with each.
+    pub joints: JointList,
+    /// The axis that points up in the reference shape.
+    pub up: UpAxis,
     /// Mass of each bone.
     pub bone_masses: Vec<BoneMass>,
     /// Rest position of each handle, m.
@@ -158,6 +164,12 @@ impl Avatar {
             .validate("cubature", &self.skeleton, handles)?;
         self.skin.validate("skin", &self.skeleton, handles)?;
         self.validate_bodies()?;
+        if self.joints.bones() > self.bones() {
+            let (of, bones) = (self.joints.bones(), self.bones());
+            let problem =
+                format!("are of {of} bones; the avatar has {bones}: use JointList::of_bones");
+            return Err(Error::invalid("joints", problem));
+        }
         let layer = &self.layer;
         let (nodes, tets) = (layer.mesh.nodes.len(), layer.mesh.tets.len());
         layer.skinning.validate("layer.skinning", nodes)?;

@@ -2,8 +2,10 @@
 
 mod avatar;
 mod bone_mass;
+mod follow;
 mod frame;
 mod joint_range;
+mod joints;
 mod points;
 mod render_mesh;
 mod rigid_body;
@@ -11,11 +13,13 @@ pub(crate) mod skeleton;
 mod state;
 mod surface;
 mod tet_mesh;
+mod up_axis;
 
 pub use avatar::{Avatar, SoftLayer};
 pub use bone_mass::BoneMass;
 pub use frame::Frame;
 pub use joint_range::JointRange;
+pub use joints::{Joint, JointBone, JointList, SkinJoints};
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};
 pub use render_mesh::RenderMesh;
 pub use rigid_body::RigidBody;
@@ -24,3 +28,4 @@ pub(crate) use skeleton::{pose_feature, pose_feature_into, pose_features};
 pub use state::{Space, State};
 pub use surface::Surface;
 pub use tet_mesh::TetMesh;
+pub use up_axis::UpAxis;

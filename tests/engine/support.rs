@@ -6,7 +6,8 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::math::Rows;
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{
-    Avatar, BasisEntry, BoneMass, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer, State,
+    Avatar, BasisEntry, BoneMass, JointList, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer,
+    State, UpAxis,
 };
 use supple_samples::Limb;
 
@@ -96,17 +97,20 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         pose_blend: PoseBlend::default(),
     };
     let joint = |j: usize| DVec3::X * (bone_length * j as f64);
+    let skeleton = Skeleton {
+        aliases: Vec::new(),
+        limits: Vec::new(),
+        names: (0..bones).map(|j| format!("bone {j}")).collect(),
+        parents: (0..bones)
+            .map(|j| j.checked_sub(1).map(|p| p as u32))
+            .collect(),
+        joints: (0..bones).map(joint).collect(),
+    };
     let avatar = Avatar {
         name: "limb".into(),
-        skeleton: Skeleton {
-            aliases: Vec::new(),
-            limits: Vec::new(),
-            names: (0..bones).map(|j| format!("bone {j}")).collect(),
-            parents: (0..bones)
-                .map(|j| j.checked_sub(1).map(|p| p as u32))
-                .collect(),
-            joints: (0..bones).map(joint).collect(),
-        },
+        joints: JointList::of_bones(&skeleton),
+        up: UpAxis::Z,
+        skeleton,
         bone_masses: vec![rod(bone_length, limb.inner_radius, 1900.0); bones],
         handles,
         cubature,

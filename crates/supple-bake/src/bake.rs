@@ -142,6 +142,8 @@ pub fn bake(
     let avatar = Avatar {
         name: body.name.clone(),
         skeleton,
+        joints: body.joints.clone(),
+        up: body.up,
         bone_masses: masses,
         handles: handles.positions,
         cubature: points,

@@ -3,7 +3,7 @@
 use super::terminal::{print, print_table};
 use glam::DVec3;
 use std::path::PathBuf;
-use supple::model::Skeleton;
+use supple::model::{Frame, Skeleton, UpAxis};
 use supple::{Error, Result};
 use supple_files::{
     BonePoses, MotionClip, PoseHeader, clip_as_poses, pose_header_line, pose_line, read_pose,
@@ -83,7 +83,9 @@ impl Arguments {
                 return Err(Error::invalid("--avatar", problem));
             }
         };
-        let mut playback = Playback::open(&motion, skeleton, DVec3::Z)?;
+        let own_up = clip.as_ref().map(|c| c.rest_up);
+        let avatar_up = (body.as_ref().map(|b| b.up).or(own_up)).unwrap_or_default();
+        let mut playback = Playback::open(&motion, skeleton, avatar_up, UpAxis::Z)?;
         if body.is_some() {
             print(format_args!("{}", playback.retarget().map().summary()));
             print(format_args!(
@@ -91,10 +93,12 @@ impl Arguments {
                 playback.retarget().scale()
             ));
         }
-        let standing = playback.retarget().standing();
-        let mut local = vec![glam::DMat3::IDENTITY; skeleton.len()];
-        local[0] = standing;
-        playback.stand_at(&skeleton.forward_kinematics(&local, skeleton.joints[0]));
+        let standing = Frame {
+            rotation: playback.retarget().standing(),
+            position: DVec3::ZERO,
+        };
+        let bind = skeleton.bind_pose();
+        playback.stand_at(&bind.iter().map(|f| standing.compose(f)).collect::<Vec<_>>());
         let Some(output) = &self.output else {
             return Ok(());
         };

@@ -4,13 +4,14 @@ use super::make_folder;
 use super::terminal::print;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use supple::model::UpAxis;
 use supple::{Error, Result};
 use supple_files::{
     TetMeshFile, pose_line, write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh,
 };
 use supple_samples::hand::grasp;
 use supple_samples::{Limb, PALM, SOFT, Sample, body, hand, map_of, walk};
-use supple_scene::{AvatarSource, BodyOrigin, CharacterSource};
+use supple_scene::{AvatarSource, BodyOrigin, BodySource, CharacterSource};
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Model {
@@ -77,7 +78,13 @@ impl Arguments {
                     painted: [(PALM.to_string(), "hand_palm.npy".into())].into(),
                     ..CharacterSource::new("hand.npz")
                 };
-                AvatarSource::from(character).baked_by(Sample::Hand.body()?.1)?
+                let source = BodySource {
+                    from: BodyOrigin::Character(character),
+                    scale: None,
+                    up: Some(UpAxis::Z),
+                    bake: Some(Sample::Hand.body()?.1),
+                };
+                AvatarSource::from(source)
             }
             Model::Finger => {
                 let (body, recipe) = Sample::Finger.body()?;
@@ -107,8 +114,9 @@ impl Arguments {
 }
 
 /// What a recipe's lines mean, by how they begin.
-const COMMENTS: [(&str, &str); 15] = [
+const COMMENTS: [(&str, &str); 16] = [
     ("model =", "The character file."),
+    ("up =", "The axis that points up in it."),
     ("mesh =", "Tets around one bone."),
     ("sample =", "A body that supple makes itself."),
     (

@@ -10,11 +10,12 @@
 //! J₀ + trans; `betas` and `gender` shape the body and are not needed to move one.
 
 use crate::motion::smpl::{BODY as SMPL_BODY, FINGERS};
-use crate::motion::{MotionClip, MotionFrame, UpAxis};
+use crate::motion::{MotionClip, MotionFrame};
 use crate::{file, npz};
 use glam::{DQuat, DVec3};
 use std::path::Path;
 use supple::Result;
+use supple::model::UpAxis;
 
 /// Reads the motion at `path`.
 ///

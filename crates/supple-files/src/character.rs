@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use supple::internal::math::Rows;
-use supple::model::{PoseBlend, Skeleton, SkinWeight, Surface};
+use supple::model::{JointList, PoseBlend, Skeleton, SkinWeight, Surface, UpAxis};
 use supple::{Error, Result};
 use supple_bake::{Body, LayerMesh};
 
@@ -156,10 +156,16 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
     let name = stem(path);
     match format {
         CharacterFormat::Smpl => {
-            let SmplModel { model, shapes, .. } = read_smpl_model(path)?;
+            let SmplModel {
+                model,
+                shapes,
+                file_order,
+                ..
+            } = read_smpl_model(path)?;
             let directions = model.shape_directions.len();
             check_betas(directions)?;
             file.body = Body::of_model(&name, &model, betas, Vec::new());
+            file.body.joints = JointList::of_bones_in_order(&file.body.skeleton, &file_order);
             file.separate();
             let called = |k: usize| match k.checked_sub(shapes) {
                 None => format!("shape {k}"),
@@ -242,15 +248,18 @@ fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
         bone: 0,
         weight: 1.0,
     };
+    let skeleton = Skeleton {
+        names: vec!["bone".into()],
+        parents: vec![None],
+        joints: vec![0.5 * (low + high)],
+        aliases: Vec::new(),
+        limits: Vec::new(),
+    };
     Body {
         name: name.into(),
-        skeleton: Skeleton {
-            names: vec!["bone".into()],
-            parents: vec![None],
-            joints: vec![0.5 * (low + high)],
-            aliases: Vec::new(),
-            limits: Vec::new(),
-        },
+        joints: JointList::of_bones(&skeleton),
+        up: UpAxis::Z,
+        skeleton,
         skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),
         skin,
         pose_blend: PoseBlend::default(),

@@ -38,8 +38,8 @@ pub use hand_pose::{parse_pose, read_pose};
 pub use motion::{
     Align, BodyPart, BoneMap, BonePose, BonePoses, ClipOptions, ClipPlayer, Finger, MapOptions,
     MotionClip, MotionFrame, NextPose, Origin, Part, PoseHeader, PoseOptions, PosePlayer, Retarget,
-    RetargetOptions, Side, SourceSkeleton, Unit, UpAxis, blend, body_parts, mirrored_clip,
-    mirrored_header, mirrored_poses,
+    RetargetOptions, Side, SourceSkeleton, Unit, blend, body_parts, mirrored_clip, mirrored_header,
+    mirrored_poses,
 };
 pub use obj::{parse_obj, read_closed_obj, read_obj, write_obj};
 pub use painted::{read_painted, write_painted};

@@ -19,6 +19,7 @@ const FRAME: u32 = 0xb8b0a5;
 /// All of them share the colour scale, and the camera where they do not ask for their own.
 pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Image {
     let output = &scene.output;
+    let up = scene.up().direction();
     let displacements = snapshots.iter().flat_map(|s| &s.displacement);
     let largest = displacements.map(|d| d.length()).fold(1e-5, f64::max);
     let scale = ColourScale::up_to(output.legend_mm.unwrap_or(1e3 * largest));
@@ -36,7 +37,7 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         .iter()
         .map(|s| match output.follow {
             // Over the ground: what stands on it does so at one height in all pictures.
-            true => (middle(&s.skin) - middle(&snapshots[0].skin)).reject_from(DVec3::Z),
+            true => (middle(&s.skin) - middle(&snapshots[0].skin)).reject_from(up),
             false => DVec3::ZERO,
         })
         .collect();
@@ -48,7 +49,7 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         })
         .collect();
     let aspect = width as f64 / height as f64;
-    let camera = Camera::framing(&framed, output.view, DVec3::Z, aspect);
+    let camera = Camera::framing(&framed, output.view, up, aspect);
     let view = View {
         clip: output.cut.map(|c| Plane {
             point: c.point,
@@ -66,9 +67,9 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         };
         let camera = match (snapshot.panel.focus, snapshot.panel.view) {
             (None, None) => going_along(camera),
-            (None, Some(_)) => going_along(Camera::framing(&framed, direction, DVec3::Z, aspect)),
+            (None, Some(_)) => going_along(Camera::framing(&framed, direction, up, aspect)),
             (Some(Focus { point, radius }), _) => {
-                Camera::near(point, radius, direction, DVec3::Z, aspect)
+                Camera::near(point, radius, direction, up, aspect)
             }
         };
         let view = View {
@@ -115,7 +116,8 @@ fn unposed_picture(
     let skin = skin_mesh(avatar, positions.collect(), snapshot, scale);
     let [width, height] = [view.width / 3, view.height / 3];
     let aspect = width as f64 / height as f64;
-    let camera = Camera::framing(&skin.surface.positions, inset.view, inset.up, aspect);
+    let up = inset.up.unwrap_or_else(|| avatar.up.direction());
+    let camera = Camera::framing(&skin.surface.positions, inset.view, up, aspect);
     let view = View {
         camera,
         width,

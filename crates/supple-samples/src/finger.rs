@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use supple::Result;
 use supple::internal::math::Rows;
-use supple::model::{PoseBlend, Skeleton, SkinWeight, Surface};
+use supple::model::{JointList, PoseBlend, Skeleton, SkinWeight, Surface, UpAxis};
 use supple_bake::mesh::ShellOptions;
 use supple_bake::{Body, Mesher};
 
@@ -59,15 +59,18 @@ impl Finger {
         let axis = CentreLine::new();
         let (skin, arc) = finger_skin(&axis, self.edge_length);
         let skinning: Rows<SkinWeight> = arc.iter().map(|&s| bone_weights(s)).collect();
+        let skeleton = Skeleton {
+            aliases: Vec::new(),
+            limits: Vec::new(),
+            names: ["proximal", "middle", "distal"].map(String::from).into(),
+            parents: vec![None, Some(0), Some(1)],
+            joints: JOINTS.map(|s| axis.at(s).0).into(),
+        };
         let mut body = Body {
             name: "finger".into(),
-            skeleton: Skeleton {
-                aliases: Vec::new(),
-                limits: Vec::new(),
-                names: ["proximal", "middle", "distal"].map(String::from).into(),
-                parents: vec![None, Some(0), Some(1)],
-                joints: JOINTS.map(|s| axis.at(s).0).into(),
-            },
+            joints: JointList::of_bones(&skeleton),
+            up: UpAxis::Z,
+            skeleton,
             skin,
             skinning,
             pose_blend: PoseBlend::default(),

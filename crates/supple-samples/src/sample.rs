@@ -5,6 +5,7 @@ use crate::{body, hand};
 use serde::{Deserialize, Serialize};
 use supple::Result;
 use supple::material::{Material, StableNeoHookean};
+use supple::model::UpAxis;
 use supple_bake::mesh::ShellOptions;
 use supple_bake::{Body, CubatureRecipe, HandleRegion, Limb, Mesher, Recipe};
 
@@ -46,6 +47,7 @@ impl Sample {
             Self::Hand => {
                 let hand = hand()?;
                 let mut body = Body::of_model("hand", &hand.model, &[], hand.bones);
+                body.up = UpAxis::Z;
                 body.painted.insert(PALM.into(), map_of(&hand.palmar));
                 body.skeleton.limits = hand.limits;
                 Ok((body, hand_recipe()))

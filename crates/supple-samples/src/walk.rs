@@ -8,8 +8,9 @@
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 use supple::internal::math::rotation_exp;
+use supple::model::UpAxis;
 use supple_files::motion::smpl::{BODY, rest_joint};
-use supple_files::{MotionClip, MotionFrame, UpAxis};
+use supple_files::{MotionClip, MotionFrame};
 
 /// Time of one stride (a step of each leg), s.
 const STRIDE_TIME: f64 = 1.0;

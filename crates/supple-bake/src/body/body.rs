@@ -5,7 +5,9 @@ use crate::body::parametric::ParametricModel;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use supple::internal::math::Rows;
-use supple::model::{PoseBlend, RenderMesh, Skeleton, SkinWeight, Surface, TetMesh};
+use supple::model::{
+    JointList, PoseBlend, RenderMesh, Skeleton, SkinWeight, Surface, TetMesh, UpAxis,
+};
 use supple::{Error, Result};
 
 /// The meshed volume between bones and skin.
@@ -80,6 +82,10 @@ pub struct Body {
     pub name: String,
     /// Bones.
     pub skeleton: Skeleton,
+    /// The file's joints, and the bone of each.
+    pub joints: JointList,
+    /// The axis that points up in the reference shape.
+    pub up: UpAxis,
     /// The skin that is drawn and touches, in the reference shape; welded. Closed unless the body
     /// is a cut piece.
     pub skin: Surface,
@@ -100,7 +106,7 @@ pub struct Body {
 }
 
 impl Body {
-    /// Shape β of `model`, its layer not yet meshed. Pose directions that are all 0 are left out.
+    /// Shape β of `model`, its layer not yet meshed; y is up. Pose directions that are all 0 are left out.
     pub fn of_model(
         name: &str,
         model: &ParametricModel,
@@ -117,9 +123,12 @@ impl Body {
         } else {
             PoseBlend::default()
         };
+        let skeleton = model.skeleton(betas);
         Self {
             name: name.into(),
-            skeleton: model.skeleton(betas),
+            joints: JointList::of_bones(&skeleton),
+            up: UpAxis::Y,
+            skeleton,
             skin: Surface {
                 positions: model.shaped(betas),
                 triangles: model.triangles.clone(),
@@ -163,12 +172,17 @@ impl Body {
             .chain([&mut self.pose_blend])
             .flat_map(|b| &mut b.columns);
         columns.flatten().for_each(|x| *x *= factor as f32);
+        self.joints.scale(factor);
     }
 
     /// Checks every length, index and number.
     pub fn validate(&self) -> Result<()> {
         self.skeleton.validate()?;
         let (vertices, bones) = (self.skin.positions.len(), self.skeleton.len());
+        if self.joints.bones() != bones {
+            let problem = format!("are of {} bones, not of {bones}", self.joints.bones());
+            return Err(Error::invalid("joints", problem));
+        }
         self.layer.validate(vertices, bones)?;
         self.skinning.validate("skinning", vertices)?;
         let check = |ok: bool, field: &str, problem: &str| {

@@ -4,7 +4,7 @@ use super::{Body, LayerMesh};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use supple::internal::math::Rows;
-use supple::model::{PoseBlend, Skeleton, SkinWeight, Surface, TetMesh};
+use supple::model::{JointList, PoseBlend, Skeleton, SkinWeight, Surface, TetMesh, UpAxis};
 use supple::{Error, Result};
 
 /// A cylinder shell about the x axis, m, and how finely it is cut.
@@ -172,15 +172,18 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
     }
     let place = |&n: &u32| mesh.nodes[n as usize];
     let joint = pinned.iter().map(place).sum::<DVec3>() / pinned.len() as f64;
+    let skeleton = Skeleton {
+        aliases: Vec::new(),
+        limits: Vec::new(),
+        names: vec!["bone".into()],
+        parents: vec![None],
+        joints: vec![joint],
+    };
     let body = Body {
         name: name.into(),
-        skeleton: Skeleton {
-            aliases: Vec::new(),
-            limits: Vec::new(),
-            names: vec!["bone".into()],
-            parents: vec![None],
-            joints: vec![joint],
-        },
+        joints: JointList::of_bones(&skeleton),
+        up: UpAxis::Z,
+        skeleton,
         skin: Surface {
             positions: surface.iter().map(place).collect(),
             triangles,

@@ -49,6 +49,8 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
     Ok(Avatar {
         name: format!("{}, full space", avatar.name),
         skeleton: avatar.skeleton.clone(),
+        joints: avatar.joints.clone(),
+        up: avatar.up,
         bone_masses: avatar.bone_masses.clone(),
         handles,
         cubature: whole_layer(avatar, &basis)?,

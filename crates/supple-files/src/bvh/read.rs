@@ -6,10 +6,11 @@
 //! that write such channels on inner joints.
 
 use crate::file;
-use crate::motion::{MotionClip, MotionFrame, Unit, UpAxis};
+use crate::motion::{MotionClip, MotionFrame, Unit};
 use glam::{DQuat, DVec3};
 use std::collections::HashSet;
 use std::path::Path;
+use supple::model::UpAxis;
 use supple::{Error, Result};
 
 /// What a BVH file does not say.

@@ -5,11 +5,11 @@ use super::document::Animation;
 use super::nodes::{Local, Nodes, same_scale, similarity};
 use super::rig::{Rig, name};
 use super::sampler::{Property, Track};
-use crate::motion::{MotionClip, MotionFrame, UpAxis};
+use crate::motion::{MotionClip, MotionFrame};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
 use supple::Result;
-use supple::model::Frame;
+use supple::model::{Frame, UpAxis};
 
 /// Most placements of nodes that are computed for one animation.
 const MOST_PLACEMENTS: f64 = (1 << 24) as f64;

@@ -13,7 +13,7 @@ use crate::weld::{CUT_WEIGHTS, DRAWN_WEIGHTS, Vertices};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use supple::Result;
-use supple::model::{PoseBlend, RenderMesh, SkinWeight, Surface};
+use supple::model::{JointList, PoseBlend, RenderMesh, SkinWeight, Surface, UpAxis};
 use supple_bake::{Body, LayerMesh};
 
 /// What a file's scene shows, and the bones that move it.
@@ -56,7 +56,8 @@ impl<'a> Scene<'a> {
         }
         let mut notes = soup.notes(&self.parts, self.skipped);
         let stem = self.file.path.file_stem().unwrap_or_default();
-        let mut whole = soup.weld(&stem.to_string_lossy(), &self.rig);
+        let joints = self.rig.joints(self.file, &self.nodes, &self.parts)?;
+        let mut whole = soup.weld(&stem.to_string_lossy(), &self.rig, joints);
         let positions = &whole.body.skin.positions;
         // Comparisons with NaN are false.
         let near = |p: &DVec3| p.length_squared() < FARTHEST * FARTHEST;
@@ -172,7 +173,7 @@ impl Soup {
     }
 
     /// One body: welded as files split it, then along cuts.
-    fn weld(mut self, name: &str, rig: &Rig) -> Whole {
+    fn weld(mut self, name: &str, rig: &Rig, joints: JointList) -> Whole {
         let vertices = Vertices {
             positions: &self.positions,
             skinning: &self.skinning,
@@ -224,6 +225,8 @@ impl Soup {
         let body = Body {
             name: name.into(),
             skeleton: rig.skeleton.clone(),
+            joints,
+            up: UpAxis::Y,
             skin: Surface {
                 positions: skin.iter().map(|&v| self.positions[v]).collect(),
                 triangles: (triangles.iter())

@@ -10,6 +10,7 @@ mod bone_tree;
 mod character;
 mod container;
 mod document;
+mod joints;
 mod nodes;
 mod primitive;
 mod reference_part;

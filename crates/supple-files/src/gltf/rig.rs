@@ -36,6 +36,8 @@ pub(super) struct Rig {
     /// R and c of each bone in the file's rest pose.
     pub rest: Vec<Frame>,
     pub skins: BTreeMap<usize, BoundSkin>,
+    /// The skins, that of most vertices first.
+    pub largest_first: Vec<usize>,
 }
 
 /// A skin whose joints are bones.
@@ -43,6 +45,8 @@ pub(super) struct Rig {
 pub(super) struct BoundSkin {
     /// Bone of each joint.
     pub bones: Vec<u32>,
+    /// Of each joint.
+    pub inverse_binds: Vec<DAffine3>,
     /// M_j at rest, of each joint.
     pub skinning: Vec<DAffine3>,
     /// G: what takes the mesh to the reference shape, if it is the same for all joints.
@@ -130,6 +134,7 @@ impl Rig {
             }
             let bound = BoundSkin {
                 bones,
+                inverse_binds: bind[&s].clone(),
                 skinning,
                 reference: DAffine3::from_mat3(linear),
             };
@@ -154,6 +159,7 @@ impl Rig {
             bone_of_node,
             rest,
             skins,
+            largest_first: order,
         };
         rig.anchor(&weight);
         for skin in rig.skins.values_mut() {
@@ -237,6 +243,7 @@ fn one_bone(file: &File, nodes: &Nodes, parts: &[Part]) -> Result<Rig> {
         bone_of_node,
         rest: vec![rest],
         skins: BTreeMap::new(),
+        largest_first: Vec::new(),
     })
 }
 
@@ -282,12 +289,15 @@ pub(super) fn name(file: &File, node: usize) -> String {
 /// Names of bones; those that come again get a number.
 fn unique_names(file: &File, nodes: &[usize]) -> Vec<String> {
     let mut taken = BTreeSet::new();
-    let unique = |&n: &usize| {
-        let name = name(file, n);
-        let numbered = (2..).map(|k| format!("{name}_{k}"));
-        let mut candidates = std::iter::once(name.clone()).chain(numbered);
-        let free = candidates.find(|c| taken.insert(c.clone()));
-        free.unwrap_or(name)
-    };
+    let unique = |&n: &usize| unique_name(file, n, &mut taken);
     nodes.iter().map(unique).collect()
+}
+
+/// The name of a node, with a number where it is taken.
+pub(super) fn unique_name(file: &File, node: usize, taken: &mut BTreeSet<String>) -> String {
+    let name = name(file, node);
+    let numbered = (2..).map(|k| format!("{name}_{k}"));
+    let mut candidates = std::iter::once(name.clone()).chain(numbered);
+    let free = candidates.find(|c| taken.insert(c.clone()));
+    free.unwrap_or(name)
 }

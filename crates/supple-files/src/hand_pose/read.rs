@@ -7,11 +7,12 @@
 
 use super::js_literal::first_object;
 use crate::file;
-use crate::motion::{BonePose, BonePoses, PoseHeader, UpAxis};
+use crate::motion::{BonePose, BonePoses, PoseHeader};
 use crate::pose_stream::{bone_pose, numbers};
 use glam::DVec3;
 use serde_json::Value;
 use std::path::Path;
+use supple::model::UpAxis;
 use supple::{Error, Result};
 
 /// Reads the pose at `path`.

@@ -17,7 +17,7 @@ mod unit;
 pub use bone_map::{BoneMap, MapOptions};
 pub use clip_player::{ClipOptions, ClipPlayer, Origin, blend};
 pub use mirror::{mirrored_clip, mirrored_header, mirrored_poses};
-pub use motion_clip::{MotionClip, MotionFrame, UpAxis};
+pub use motion_clip::{MotionClip, MotionFrame};
 pub use names::{BodyPart, Finger, Part, Side, body_parts};
 pub use pose::{BonePose, BonePoses, PoseHeader};
 pub use pose_player::{NextPose, PoseOptions, PosePlayer};

@@ -1,33 +1,8 @@
 //! Recorded motion of a skeleton, before it is mapped onto an avatar's.
 
 use glam::{DMat3, DQuat, DVec3};
-use serde::{Deserialize, Serialize};
-use supple::model::Frame;
+use supple::model::{Frame, UpAxis};
 use supple::{Error, Result};
-
-/// The axis that points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum UpAxis {
-    /// +x.
-    X,
-    /// +y: glTF, most BVH files, SMPL's rest pose.
-    #[default]
-    Y,
-    /// +z: AMASS's world.
-    Z,
-}
-
-impl UpAxis {
-    /// Its unit vector.
-    pub fn direction(self) -> DVec3 {
-        match self {
-            Self::X => DVec3::X,
-            Self::Y => DVec3::Y,
-            Self::Z => DVec3::Z,
-        }
-    }
-}
 
 /// A pose of a [`MotionClip`]'s bones.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,8 +1,8 @@
 //! What a source of motion says about its bones at one time.
 
-use crate::motion::motion_clip::UpAxis;
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
+use supple::model::UpAxis;
 
 /// What is known of one bone, in the world of the source.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

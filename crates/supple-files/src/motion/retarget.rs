@@ -4,10 +4,9 @@ use super::bone_map::{BoneMap, MapOptions, skeleton_parts};
 use super::fit::{Rule, Seen, best_rotation, fit_rotations, snapped, swing};
 use super::names::{BodyPart, Finger, Part, body_parts};
 use super::pose::BonePose;
-use crate::motion::motion_clip::UpAxis;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
-use supple::model::{Frame, Skeleton};
+use supple::model::{Frame, Skeleton, UpAxis};
 use supple::{Error, Result};
 
 /// How the rest pose of a motion is brought to the avatar's bind pose.
@@ -32,6 +31,8 @@ pub struct RetargetOptions {
     /// Metres of the avatar's way for one of the motion's; the ratio of the legs' lengths (of the spread
     /// of the mapped joints, if there are no legs) if not given.
     pub scale: Option<f64>,
+    /// The axis that points up in the avatar's reference shape; as the motion's rest pose has it if not given.
+    pub avatar_up: Option<UpAxis>,
     /// The direction that points up in the avatar's world; a unit vector.
     pub up: DVec3,
 }
@@ -42,6 +43,7 @@ impl Default for RetargetOptions {
             map: MapOptions::default(),
             align: Align::default(),
             scale: None,
+            avatar_up: None,
             up: DVec3::Z,
         }
     }
@@ -124,7 +126,15 @@ impl Retarget {
         };
         let rest = |t: usize| source.rest_joints.get(this.source[t]?).copied().flatten();
         let places: Vec<Option<DVec3>> = (0..skeleton.len()).map(rest).collect();
+        let own_up = options.avatar_up.map(UpAxis::direction);
         if places.iter().all(Option::is_none) {
+            // A⁻¹: unturned is the bind pose that stands in the motion's rest pose, or else in its world.
+            if let Some(own) = own_up {
+                let up = source.rest_up.or(source.world_up);
+                let up = up.map_or(options.up, UpAxis::direction);
+                this.rest.fill(swing(own, up));
+                this.standing = swing(own, options.up);
+            }
             return Ok(this);
         }
         // A from the mapped joints about their centres.
@@ -140,8 +150,9 @@ impl Retarget {
             .map(|k| (k.0 - middle.0 / count, k.1 - middle.1 / count))
             .collect();
         let whole = best_rotation(&centred).map_or(DMat3::IDENTITY, snapped);
-        if let Some(rest) = source.rest_up {
-            this.standing = swing(whole * rest.direction(), options.up);
+        let seen_up = source.rest_up.map(|rest| whole * rest.direction());
+        if let Some(own) = own_up.or(seen_up) {
+            this.standing = swing(own, options.up);
         }
         if options.scale.is_none() {
             this.scale = this.relative_size(&places, &centred);

@@ -12,12 +12,13 @@
 //! places and no rotations are turned so that the avatar's joints lie as the places do.
 
 use super::bone_json::bone_pose;
-use crate::motion::{BonePose, BonePoses, PoseHeader, Unit, UpAxis};
+use crate::motion::{BonePose, BonePoses, PoseHeader, Unit};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, VecDeque};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use supple::model::UpAxis;
 use supple::{Error, Result};
 
 /// Longest line that is taken in, bytes.

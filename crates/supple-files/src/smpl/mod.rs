@@ -60,6 +60,8 @@ pub struct SmplModel {
     pub kind: SmplKind,
     /// The model; its shape directions are those of β, then those of ψ.
     pub model: ParametricModel,
+    /// The model's bone at each place of the file, whose bones may come in any order.
+    pub file_order: Vec<u32>,
     /// Shape directions that belong to β.
     pub shapes: usize,
     /// Poses of the hands: MANO's own, or left and right; none where the file has no components.
@@ -132,6 +134,7 @@ pub fn parse_smpl(bytes: &[u8], path: &Path) -> Result<SmplModel> {
     Ok(SmplModel {
         kind,
         model,
+        file_order: (0..bones).map(|j| tree.index_of(j)).collect(),
         shapes: betas.len(),
         hands: hand_pose::read(&arrays, kind, &tree)?,
     })

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use supple::Error;
 use supple::glam::DVec3;
 use supple::internal::math::Rows;
-use supple::model::{PoseBlend, Skeleton, SkinWeight, Surface};
+use supple::model::{JointList, PoseBlend, Skeleton, SkinWeight, Surface, UpAxis};
 use supple_bake::{Body, LayerMesh};
 use supple_files::{TetFile, parse_tets, read_tets};
 
@@ -177,15 +177,18 @@ fn body(size: f64) -> Body {
         bone: 0,
         weight: 1.0,
     };
+    let skeleton = Skeleton {
+        names: bones(),
+        parents: vec![None, Some(0)],
+        joints: vec![DVec3::ZERO, DVec3::splat(0.5)],
+        aliases: Vec::new(),
+        limits: Vec::new(),
+    };
     Body {
         name: "cube".into(),
-        skeleton: Skeleton {
-            names: bones(),
-            parents: vec![None, Some(0)],
-            joints: vec![DVec3::ZERO, DVec3::splat(0.5)],
-            aliases: Vec::new(),
-            limits: Vec::new(),
-        },
+        joints: JointList::of_bones(&skeleton),
+        up: UpAxis::Z,
+        skeleton,
         skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),
         skin,
         pose_blend: PoseBlend::default(),

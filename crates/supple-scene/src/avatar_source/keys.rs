@@ -4,6 +4,7 @@ use super::{AvatarSource, BodyOrigin, BodySource, CharacterSource};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use supple::model::UpAxis;
 use supple::{Error, Result};
 use supple_bake::Recipe;
 use supple_samples::Sample;
@@ -37,6 +38,9 @@ pub(super) struct Keys {
     pub regions: BTreeMap<String, String>,
     /// The size of the file's unit, m: 0.01 for centimetres. 1 if not given.
     pub scale: Option<f64>,
+    /// The axis that points up in the body's file: y of glTF, VRM and SMPL's layout, z of OBJ and tets, if not given; a
+    /// sample has its own.
+    pub up: Option<UpAxis>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
 }
@@ -79,6 +83,10 @@ impl Keys {
             let problem = "what is baked already, or has its own recipe, takes none here";
             return Err(Error::invalid("avatar.bake", problem));
         }
+        if self.up.is_some() && (self.file.is_some() || self.recipe.is_some()) {
+            let problem = "what is baked already, or has its own recipe, has its own up";
+            return Err(Error::invalid("avatar.up", problem));
+        }
         if self.mesh.is_none() && self.model.is_none() && !self.regions.is_empty() {
             let problem = "belong to a mesh: name one";
             return Err(Error::invalid("avatar.regions", problem));
@@ -108,6 +116,7 @@ impl TryFrom<Keys> for AvatarSource {
             painted,
             regions,
             scale,
+            up,
             bake,
         } = keys;
         let from = match (file, recipe, sample, model, mesh) {
@@ -125,7 +134,12 @@ impl TryFrom<Keys> for AvatarSource {
             (_, _, _, _, Some(mesh)) => BodyOrigin::Tets { mesh, regions },
             _ => return Err(Error::invalid("avatar", "has no source")),
         };
-        Ok(Self::Body(Box::new(BodySource { from, scale, bake })))
+        Ok(Self::Body(Box::new(BodySource {
+            from,
+            scale,
+            up,
+            bake,
+        })))
     }
 }
 
@@ -169,6 +183,7 @@ impl From<AvatarSource> for Keys {
         };
         Self {
             scale: body.scale,
+            up: body.up,
             bake: body.bake,
             ..keys
         }

@@ -10,7 +10,7 @@ use keys::Keys;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use supple::model::Surface;
+use supple::model::{Surface, UpAxis};
 use supple::{Error, Result};
 use supple_bake::{Body, Recipe};
 use supple_files::{
@@ -38,6 +38,8 @@ pub struct BodySource {
     pub from: BodyOrigin,
     /// The size of the file's unit, m: 0.01 for centimetres. 1 if not given.
     pub scale: Option<f64>,
+    /// The axis that points up in the file, in place of what its kind says.
+    pub up: Option<UpAxis>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
 }
@@ -126,6 +128,7 @@ impl From<BodyOrigin> for AvatarSource {
         BodySource {
             from,
             scale: None,
+            up: None,
             bake: None,
         }
         .into()
@@ -347,6 +350,7 @@ impl AvatarSource {
         if let Some(scale) = source.scale {
             body.scale(scale);
         }
+        body.up = source.up.unwrap_or(body.up);
         notes.extend(odd_size(&body));
         Ok(SourceBody {
             body,

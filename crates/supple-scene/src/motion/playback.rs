@@ -1,11 +1,10 @@
 //! A motion from a file of any format, played on an avatar.
 
 use crate::motion::tracked::TrackedMotion;
-use glam::DVec3;
 use std::fs::File;
 use std::io::{Read, stdin};
 use std::path::Path;
-use supple::model::{Frame, Skeleton};
+use supple::model::{Frame, Skeleton, UpAxis};
 use supple::{Error, Result};
 use supple_files::{
     BonePoses, BvhOptions, ClipPlayer, MotionClip, PoseHeader, PosePlayer, PoseReader, Retarget,
@@ -31,13 +30,18 @@ pub struct PoseFeed {
 }
 
 impl Playback {
-    /// Opens the file of `motion` for `skeleton`, in a world where `up` points up. A stream's first pose is
-    /// waited for.
+    /// Opens the file of `motion` for `skeleton`, in whose reference shape `avatar_up` points up, in a world where `up`
+    /// does. A stream's first pose is waited for.
     ///
     /// # Errors
     /// [`Error::Io`] and [`Error::Format`] of the file; [`Error::Invalid`] of a key, or of bones that cannot
     /// be mapped.
-    pub fn open(motion: &TrackedMotion, skeleton: &Skeleton, up: DVec3) -> Result<Self> {
+    pub fn open(
+        motion: &TrackedMotion,
+        skeleton: &Skeleton,
+        avatar_up: UpAxis,
+        up: UpAxis,
+    ) -> Result<Self> {
         motion.validate()?;
         let path = motion.file.as_path();
         let of_file = |e: Error| e.within("motion").of_file(path);
@@ -47,8 +51,8 @@ impl Playback {
             } else {
                 clip
             };
-            let player =
-                ClipPlayer::new(clip, skeleton, &motion.clip_options(up)).map_err(of_file)?;
+            let player = ClipPlayer::new(clip, skeleton, &motion.clip_options(avatar_up, up))
+                .map_err(of_file)?;
             return Ok(Self::Clip(Box::new(player)));
         }
         if motion.repeat || motion.rest_frame.is_some() {
@@ -61,7 +65,12 @@ impl Playback {
             true => (mirrored_header(&header), mirrored_poses(&first)),
             false => (header, first),
         };
-        let player = PosePlayer::new(header, &first, skeleton, &motion.pose_options(up));
+        let player = PosePlayer::new(
+            header,
+            &first,
+            skeleton,
+            &motion.pose_options(avatar_up, up),
+        );
         Ok(Self::Poses(Box::new(PoseFeed {
             player: player.map_err(of_file)?,
             reader,

@@ -1,13 +1,13 @@
 //! A scene's `[motion]`: which file, and how the avatar follows it.
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use supple::model::UpAxis;
 use supple::skeleton::Spring;
 use supple::{Error, Result};
 use supple_files::{
-    Align, ClipOptions, MapOptions, Origin, PoseOptions, RetargetOptions, Side, Unit, UpAxis,
+    Align, ClipOptions, MapOptions, Origin, PoseOptions, RetargetOptions, Side, Unit,
 };
 
 /// A motion that the avatar is drawn to.
@@ -166,8 +166,8 @@ impl TrackedMotion {
         Ok(())
     }
 
-    /// How any motion is brought to an avatar in a world where `up` points up.
-    fn retarget_options(&self, up: DVec3) -> RetargetOptions {
+    /// How any motion is brought to an avatar of `avatar_up` in a world where `up` points up.
+    fn retarget_options(&self, avatar_up: UpAxis, up: UpAxis) -> RetargetOptions {
         RetargetOptions {
             map: MapOptions {
                 table: self.map.clone(),
@@ -175,13 +175,14 @@ impl TrackedMotion {
             },
             align: self.align,
             scale: self.scale,
-            up,
+            avatar_up: Some(avatar_up),
+            up: up.direction(),
         }
     }
 
-    pub(super) fn clip_options(&self, up: DVec3) -> ClipOptions {
+    pub(super) fn clip_options(&self, avatar_up: UpAxis, up: UpAxis) -> ClipOptions {
         ClipOptions {
-            retarget: self.retarget_options(up),
+            retarget: self.retarget_options(avatar_up, up),
             rest_frame: self.rest_frame,
             start: self.start,
             speed: self.speed,
@@ -190,9 +191,9 @@ impl TrackedMotion {
         }
     }
 
-    pub(super) fn pose_options(&self, up: DVec3) -> PoseOptions {
+    pub(super) fn pose_options(&self, avatar_up: UpAxis, up: UpAxis) -> PoseOptions {
         PoseOptions {
-            retarget: self.retarget_options(up),
+            retarget: self.retarget_options(avatar_up, up),
             origin: self.origin,
         }
     }

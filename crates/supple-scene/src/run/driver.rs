@@ -47,26 +47,20 @@ impl Driver {
                 )
             })
         };
-        let radians = |degrees: DVec3| rotation_exp(degrees * std::f64::consts::PI / 180.0);
         let mut local = vec![DMat3::IDENTITY; skeleton.len()];
         for (i, pose) in scene.pose.iter().enumerate() {
             let field = format!("pose[{i}].bone");
             let bone = find(&pose.bone, field.clone())?;
             *(local.get_mut(bone)).ok_or_else(|| Error::invalid(field, "names a body"))? =
-                radians(pose.rotation_degrees);
+                rotation_exp(pose.rotation_degrees * std::f64::consts::PI / 180.0);
         }
-        let up = (-scene.gravity).normalize_or(DVec3::Z);
         let motion = scene.motion.as_ref();
         let playback = motion
-            .map(|m| Playback::open(m, skeleton, up))
+            .map(|m| Playback::open(m, skeleton, avatar.up, scene.up()))
             .transpose()?;
-        let placed = radians(scene.placement.rotation_degrees);
-        local[0] = match &playback {
-            Some(p) if scene.placement.rotation_degrees == DVec3::ZERO => p.retarget().standing(),
-            _ => placed,
-        } * local[0];
-        let root = skeleton.joints[0] + scene.placement.position;
-        let mut start = skeleton.forward_kinematics(&local, root);
+        let placement = (scene.placement.frame()).compose(&avatar.standing(scene.up()));
+        let mut start = skeleton.forward_kinematics(&local, skeleton.joints[0]);
+        start.iter_mut().for_each(|f| *f = placement.compose(f));
         let pins = scene.pins.iter().enumerate().map(|(i, pin)| {
             Ok((
                 find(&pin.bone, format!("pins[{i}].bone"))?,
@@ -92,7 +86,7 @@ impl Driver {
         };
         start.extend(scene.bodies.iter().map(SceneBody::initial_frame));
         Ok(Self {
-            gravity: scene.gravity,
+            gravity: scene.gravity(),
             start,
             motion,
             pins,

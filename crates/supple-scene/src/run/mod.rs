@@ -64,6 +64,7 @@ pub fn run_scene<P: Potential>(
     driver.start(avatar, &mut simulation.instances_mut()[0]);
     let mut measures = Measures::new(scene, avatar);
     let mut recording = Recording {
+        up: scene.up(),
         props: props(scene),
         ..Recording::default()
     };

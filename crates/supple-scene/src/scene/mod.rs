@@ -18,8 +18,9 @@ use crate::motion::TrackedMotion;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use supple::Result;
+use supple::internal::math::rotation_exp;
 use supple::material::Material;
-use supple::model::Avatar;
+use supple::model::{Avatar, Frame, UpAxis};
 use supple::sim::Settings;
 use supple::skeleton::Spring;
 use supple_bake::{JointLimitKey, set_limits};
@@ -32,9 +33,10 @@ pub struct Scene {
     pub name: String,
     /// Number of steps.
     pub steps: usize,
-    /// m/s².
-    #[serde(default = "earth")]
-    pub gravity: DVec3,
+    /// The axis that points up in its world ([`Scene::up`]).
+    pub up: Option<UpAxis>,
+    /// m/s² ([`Scene::gravity`]).
+    pub gravity: Option<DVec3>,
     /// Who it is about.
     pub avatar: AvatarSource,
     /// Time step, solver, stiffness of joints and of the skeleton's bending.
@@ -44,7 +46,7 @@ pub struct Scene {
     pub material: Option<Material>,
     /// In place of the baked stiffness-proportional damping β, s.
     pub damping_time: Option<f64>,
-    /// Where the root stands, before anything moves.
+    /// Where the avatar stands, before anything moves.
     #[serde(default)]
     pub placement: Placement,
     /// The bones' pose at the start and the rest pose of their bending springs; others are straight.
@@ -75,14 +77,25 @@ pub struct Scene {
     pub output: Output,
 }
 
-/// Where the root stands.
+/// Where the avatar stands. It is stood up first, about the origin of its file ([`Avatar::standing`]): soles at height
+/// zero of the file stand at height zero of the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Placement {
-    /// Shift of the root joint from its reference place, m.
+    /// Where the origin of its file is, m.
     pub position: DVec3,
-    /// Rotation vector about the root joint, degrees. With a recorded motion and none given the avatar is stood up.
+    /// Rotation vector about that origin, degrees.
     pub rotation_degrees: DVec3,
+}
+
+impl Placement {
+    /// The rigid transform of a standing avatar.
+    pub fn frame(&self) -> Frame {
+        Frame {
+            rotation: rotation_exp(self.rotation_degrees * std::f64::consts::PI / 180.0),
+            position: self.position,
+        }
+    }
 }
 
 /// A bone's rotation relative to its parent.
@@ -210,9 +223,8 @@ pub struct PanelTime {
 pub struct Inset {
     /// Direction in which the camera looks.
     pub view: DVec3,
-    /// What is up in the character's file.
-    #[serde(default = "z_axis")]
-    pub up: DVec3,
+    /// What is up in the reference shape; the avatar's own up if not given.
+    pub up: Option<DVec3>,
 }
 
 /// A ball that fills a picture.
@@ -250,23 +262,36 @@ impl Default for Output {
     }
 }
 
-fn z_axis() -> DVec3 {
-    DVec3::Z
-}
-
 fn drawn() -> bool {
     true
 }
 
-fn earth() -> DVec3 {
-    DVec3::new(0.0, 0.0, -9.81)
-}
+/// Gravity of the earth, m/s².
+const EARTH: f64 = 9.81;
 
 fn contact_stiffness() -> f64 {
     1e8
 }
 
 impl Scene {
+    /// The axis that points up: as stated, else the one that a stated gravity points against most, else z.
+    pub fn up(&self) -> UpAxis {
+        self.up.unwrap_or_else(|| {
+            let against = |axis: UpAxis| -self.gravity.unwrap_or_default().dot(axis.direction());
+            let axes = [UpAxis::Z, UpAxis::Y, UpAxis::X];
+            let better = |best: UpAxis, axis| match against(axis) > against(best).max(0.0) {
+                true => axis,
+                false => best,
+            };
+            axes.into_iter().fold(UpAxis::Z, better)
+        })
+    }
+
+    /// m/s²: as stated, else that of the earth, downward.
+    pub fn gravity(&self) -> DVec3 {
+        (self.gravity).unwrap_or_else(|| -EARTH * self.up().direction())
+    }
+
     /// Time at the end of the last step, s.
     pub fn duration(&self) -> f64 {
         self.steps as f64 * self.settings.time_step

@@ -5,6 +5,7 @@ use super::{PanelTime, Scene};
 use serde::de::DeserializeOwned;
 use std::path::Path;
 use supple::collider::Collider;
+use supple::model::UpAxis;
 use supple::{Error, Result};
 use supple_files::read_toml_text;
 use toml::Value;
@@ -46,6 +47,7 @@ fn parse(text: &str, path: &Path, folder: Option<&Path>) -> Result<Scene> {
             }
         }
     }
+    let viewed = (table.get("output")).is_some_and(|output| output.get("view").is_some());
     // Text that is parsed twice tells the line of an error; a table that was changed cannot.
     let mut scene: Scene = match meshes {
         false => toml::from_str(text).map_err(|e| broken(text, path, &e))?,
@@ -53,6 +55,9 @@ fn parse(text: &str, path: &Path, folder: Option<&Path>) -> Result<Scene> {
     };
     if scene.measure.full_press == f64::INFINITY {
         scene.measure.full_press = scene.duration();
+    }
+    if !viewed {
+        scene.output.view = UpAxis::Z.rotation_to(scene.up()) * scene.output.view;
     }
     if scene.output.panels.is_empty() {
         scene.output.panels = scene.default_panels();
@@ -221,7 +226,10 @@ impl Scene {
             )?;
             check(
                 panel.view.is_none_or(|v| v.length() > 0.0)
-                    && (panel.inset).is_none_or(|i| i.view.cross(i.up).length() > 0.0),
+                    && (panel.inset).is_none_or(|i| {
+                        let up = i.up.unwrap_or_else(|| i.view.any_orthogonal_vector());
+                        i.view.cross(up).length() > 0.0
+                    }),
                 format!("output.panels[{i}]"),
                 "its view, and its inset's, must be directions that have a length, not that of up",
             )?;

@@ -34,7 +34,7 @@ fn the_bone_press_is_the_benchmark() {
     assert_eq!(scene.avatar.sample(), Some(Sample::LimbS));
     assert_eq!((scene.steps, scene.settings.time_step), (250, 0.01));
     assert_eq!(scene.settings.solver, SolverMode::OneIteration);
-    assert_eq!(scene.gravity, DVec3::new(0.0, 0.0, -9.81));
+    assert_eq!(scene.gravity(), DVec3::new(0.0, 0.0, -9.81));
     let ball = &scene.colliders[0];
     assert_eq!(*ball.shape, Shape::Sphere { radius: 0.03 });
     assert_eq!((ball.stiffness, ball.margin), (1e8, 0.0));

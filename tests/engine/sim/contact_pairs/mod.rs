@@ -10,7 +10,9 @@ use std::sync::Arc;
 use supple::Result;
 use supple::glam::DVec3;
 use supple::internal::math::Rows;
-use supple::model::{Avatar, BoneMass, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer};
+use supple::model::{
+    Avatar, BoneMass, JointList, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer, UpAxis,
+};
 use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation, SolverMode};
 
@@ -39,15 +41,18 @@ fn blocks(count: usize) -> Avatar {
         basis: Rows::default(),
         pose_blend: PoseBlend::default(),
     };
+    let skeleton = Skeleton {
+        names: (0..count).map(|j| format!("block {j}")).collect(),
+        parents: vec![None; count],
+        joints: vec![DVec3::ZERO; count],
+        aliases: Vec::new(),
+        limits: Vec::new(),
+    };
     let avatar = Avatar {
         name: "blocks".into(),
-        skeleton: Skeleton {
-            names: (0..count).map(|j| format!("block {j}")).collect(),
-            parents: vec![None; count],
-            joints: vec![DVec3::ZERO; count],
-            aliases: Vec::new(),
-            limits: Vec::new(),
-        },
+        joints: JointList::of_bones(&skeleton),
+        up: UpAxis::Z,
+        skeleton,
         bone_masses: vec![BoneMass { second_moment }; count],
         handles: Vec::new(),
         cubature: empty.clone(),

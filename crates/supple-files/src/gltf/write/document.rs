@@ -7,7 +7,7 @@ use crate::{BODY_COLOUR, from_srgb, solid_surface};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::path::Path;
-use supple::model::{Avatar, Frame, RigidBody, Surface};
+use supple::model::{Avatar, Frame, RigidBody, Surface, UpAxis};
 use supple::{Error, Result};
 
 /// What was written.
@@ -36,8 +36,7 @@ pub fn write_glb(
     let mut file = Document::default();
     let times = as_floats(&recording.times);
     file.times = file.buffer.floats("SCALAR", &times);
-    // glTF's y points up; the scene's z does.
-    let upright = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    let upright = DQuat::from_mat3(&recording.up.rotation_to(UpAxis::Y));
     let world = file.node(json!({
         "name": "world", "rotation": quaternion(upright).to_vec(), "children": [],
     }));

@@ -15,18 +15,32 @@ pub use morph::{MORPH_TOLERANCE, MOST_MORPHS};
 
 use crate::Colour;
 use serde::{Deserialize, Serialize};
-use supple::model::{Avatar, Frame, State, Surface};
+use supple::model::{Avatar, Frame, State, Surface, UpAxis};
 use supple::{Error, Result};
 
 /// What an avatar and the things around it did.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Recording {
+    /// The axis that points up in their world.
+    pub up: UpAxis,
     /// Rising, s.
     pub times: Vec<f64>,
     /// A state for each time.
     pub states: Vec<State>,
     /// Rigid things beside the avatar.
     pub props: Vec<Prop>,
+}
+
+impl Default for Recording {
+    /// Nothing, in a world of z up.
+    fn default() -> Self {
+        Self {
+            up: UpAxis::Z,
+            times: Vec::new(),
+            states: Vec::new(),
+            props: Vec::new(),
+        }
+    }
 }
 
 /// A rigid thing in a recording.

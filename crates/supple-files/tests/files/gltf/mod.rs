@@ -5,6 +5,7 @@ mod attachments;
 mod damaged;
 mod evaluation;
 mod fixture;
+mod joints;
 mod malformed;
 mod meshes;
 mod motions;

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use supple::Error;
 use supple::glam::{DQuat, DVec3};
 use supple::internal::math::{Random, rotation_exp, rotation_log};
+use supple::model::UpAxis;
 use supple_files::{
-    BvhOptions, ClipOptions, ClipPlayer, PoseOptions, PoseParser, PosePlayer, Unit, UpAxis,
-    bvh_text, clip_as_poses, parse_bvh, parse_pose, pose_header_line, pose_line, read_amass,
+    BvhOptions, ClipOptions, ClipPlayer, PoseOptions, PoseParser, PosePlayer, Unit, bvh_text,
+    clip_as_poses, parse_bvh, parse_pose, pose_header_line, pose_line, read_amass,
 };
 use supple_samples::hand::grasp;
 use supple_samples::walk;

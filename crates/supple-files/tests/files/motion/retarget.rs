@@ -2,10 +2,10 @@
 
 use supple::glam::{DMat3, DQuat, DVec3};
 use supple::internal::math::{Random, rotation_exp};
-use supple::model::{Frame, Skeleton};
+use supple::model::{Frame, Skeleton, UpAxis};
 use supple_files::{
     Align, BonePose, BonePoses, ClipOptions, ClipPlayer, MotionClip, MotionFrame, Origin,
-    PoseHeader, PoseOptions, PosePlayer, RetargetOptions, UpAxis, mirrored_clip,
+    PoseHeader, PoseOptions, PosePlayer, RetargetOptions, mirrored_clip,
 };
 use supple_samples::{hand, walk};
 

@@ -1,0 +1,5 @@
+//! What an avatar is.
+
+mod joints;
+mod refused_joints;
+mod standing;
