@@ -31,7 +31,8 @@
 //! | 1 | [`model`], [`material`], [`collider`] | what an avatar is, what it is made of, what it touches |
 //! | 2 | [`file`](mod@file), [`potential`], [`skeleton`], `random_avatar` | the baked file, the tissue's energy and its two evaluations, the bones' own energies |
 //! | 3 | [`sim`] | the step |
-//! | 4 | `internal` | what this workspace's own crates and tests use besides |
+//! | 4 | [`world`] | avatars of several assets, colliders and bodies together |
+//! | 5 | `internal` | what this workspace's own crates and tests use besides |
 //!
 //! # Units and conventions
 //!
@@ -55,9 +56,11 @@ pub mod potential;
 mod random_avatar;
 pub mod sim;
 pub mod skeleton;
+pub mod world;
 
 pub use error::{Error, GpuError, Result};
 pub use field_path::FieldPath;
+pub use world::World;
 pub use glam;
 #[cfg(feature = "gpu")]
 pub use wgpu;

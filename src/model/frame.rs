@@ -38,6 +38,11 @@ impl Frame {
         }
     }
 
+    /// Whether it is finite with a proper rotation: RᵀR = I to the rounding of hand-written matrices, and det R > 0.
+    pub fn is_rigid(&self) -> bool {
+        self.position.is_finite() && is_rotation(&self.rotation)
+    }
+
     /// c + δc and exp(\[δω\]) R, orthonormalised so that long runs do not drift off SO(3).
     pub fn moved(&self, translation: DVec3, rotation_vector: DVec3) -> Self {
         let rotation = rotation_exp(rotation_vector) * self.rotation;
@@ -54,4 +59,11 @@ impl Frame {
             rotation_log(other.rotation * self.rotation.transpose()),
         )
     }
+}
+
+/// Whether RᵀR = I and det R = 1, to the rounding of hand-written matrices.
+pub(crate) fn is_rotation(r: &DMat3) -> bool {
+    let defect = r.transpose() * *r - DMat3::IDENTITY;
+    // Comparisons with NaN are false, so what is not finite fails too.
+    defect.to_cols_array().iter().all(|d| d.abs() < 1e-6) && r.determinant() > 0.0
 }

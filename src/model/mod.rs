@@ -18,6 +18,7 @@ mod up_axis;
 pub use avatar::{Avatar, SoftLayer};
 pub use bone_mass::BoneMass;
 pub use frame::Frame;
+pub(crate) use frame::is_rotation;
 pub use joint_range::JointRange;
 pub use joints::{Joint, JointBone, JointList, SkinJoints};
 pub use points::{BasisEntry, PointSet, PoseBlend, SkinWeight};

@@ -1,7 +1,8 @@
 //! Rigid bodies in an avatar's system: bones without tissue.
 
 use super::{
-    Avatar, BasisEntry, BoneMass, Frame, PointSet, Skeleton, SkinWeight, SoftLayer, Surface,
+    Avatar, BasisEntry, BoneMass, Frame, JointList, PointSet, Skeleton, SkinWeight, SoftLayer,
+    Surface, UpAxis,
 };
 use crate::collider::{Collider, Shape};
 use crate::material::{Material, StableNeoHookean};
@@ -211,15 +212,18 @@ impl RigidBody {
     pub(crate) fn alone(&self) -> Avatar {
         let mut skin = PointSet::default();
         skin.append_rigid(&self.surface, 0, DVec3::ZERO);
+        let skeleton = Skeleton {
+            names: vec![self.name.clone()],
+            parents: vec![None],
+            joints: vec![DVec3::ZERO],
+            aliases: Vec::new(),
+            limits: Vec::new(),
+        };
         Avatar {
             name: self.name.clone(),
-            skeleton: Skeleton {
-                names: vec![self.name.clone()],
-                parents: vec![None],
-                joints: vec![DVec3::ZERO],
-                aliases: Vec::new(),
-                limits: Vec::new(),
-            },
+            joints: JointList::of_bones(&skeleton),
+            up: UpAxis::default(),
+            skeleton,
             bone_masses: vec![self.mass],
             handles: Vec::new(),
             cubature: PointSet::default(),

@@ -31,7 +31,7 @@ impl EnergyBalance {
     }
 }
 
-impl<P: Potential + Sync> Simulation<P> {
+impl<P: Potential> Simulation<P> {
     /// The energy of every instance after its last step, with colliders and targets where they are
     /// now. Costs an evaluation with its Hessian: a diagnosis, not a part of a step.
     ///

@@ -107,11 +107,6 @@ impl Groups {
         self.members(self.group_of[member]).len() == 1
     }
 
-    /// All links.
-    pub fn all_links(&self) -> &[Link] {
-        &self.links
-    }
-
     /// Whether every member is by itself.
     pub fn is_single(&self) -> bool {
         self.links.is_empty()

@@ -2,7 +2,7 @@
 
 use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
-use crate::model::{Avatar, Frame, State};
+use crate::model::{Avatar, Frame, State, is_rotation};
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
@@ -130,7 +130,7 @@ impl Instance {
             )?;
             check(state.is_finite(), field, "holds a value that is not finite")?;
             check(
-                state.frames.iter().all(is_rigid),
+                state.frames.iter().all(Frame::is_rigid),
                 field,
                 "holds a frame whose rotation is none",
             )?;
@@ -164,7 +164,7 @@ impl Instance {
                 "names a bone that is not there",
             )?;
             check(
-                is_rigid(&target.frame) && is_rigid(&target.previous),
+                target.frame.is_rigid() && target.previous.is_rigid(),
                 "targets",
                 "a frame is not finite or its rotation is none",
             )?;
@@ -180,14 +180,14 @@ impl Instance {
         for pin in &self.pins {
             check(pin.bone < bones, "pins", "names a bone that is not there")?;
             check(
-                is_rigid(&pin.frame),
+                pin.frame.is_rigid(),
                 "pins",
                 "a frame is not finite or its rotation is none",
             )?;
         }
         for collider in &self.colliders {
             check(
-                is_rigid(&collider.frame) && is_rigid(&collider.previous),
+                collider.frame.is_rigid() && collider.previous.is_rigid(),
                 "colliders",
                 "a frame is not finite or its rotation is none",
             )?;
@@ -196,16 +196,4 @@ impl Instance {
         }
         check(self.gravity.is_finite(), "gravity", "is not finite")
     }
-}
-
-/// Whether `frame` is finite with a proper rotation.
-fn is_rigid(frame: &Frame) -> bool {
-    frame.position.is_finite() && is_rotation(&frame.rotation)
-}
-
-/// Whether RᵀR = I and det R = 1, to the rounding of hand-written matrices.
-fn is_rotation(r: &DMat3) -> bool {
-    let defect = r.transpose() * *r - DMat3::IDENTITY;
-    // Comparisons with NaN are false, so what is not finite fails too.
-    defect.to_cols_array().iter().all(|d| d.abs() < 1e-6) && r.determinant() > 0.0
 }

@@ -2,19 +2,11 @@
 
 use crate::Result;
 use crate::model::State;
-use crate::potential::{BlockPattern, Evaluation, HessianForm, Potential, StepStart, Trial};
+use crate::potential::{Evaluation, HessianForm, Potential, StepStart, Trial};
 use std::future::Future;
 
 /// Instances in one flat list, which are evaluated together. Its methods are those of [`Potential`].
-pub(crate) trait Members: Sync {
-    /// Which asset a member is of.
-    fn asset(&self, _member: usize) -> usize {
-        0
-    }
-
-    /// Which blocks the Hessian of a member has.
-    fn pattern(&self, member: usize) -> &BlockPattern;
-
+pub(crate) trait Members {
     /// Which Hessian [`Members::evaluate`] gives of a member.
     fn hessian_form(&self, member: usize) -> HessianForm;
 
@@ -44,11 +36,7 @@ pub(crate) trait Members: Sync {
     fn pose_skin(&mut self, states: &[State]) -> impl Future<Output = Result<()>>;
 }
 
-impl<P: Potential + Sync> Members for P {
-    fn pattern(&self, _member: usize) -> &BlockPattern {
-        Potential::pattern(self)
-    }
-
+impl<P: Potential> Members for P {
     fn hessian_form(&self, _member: usize) -> HessianForm {
         Potential::hessian_form(self)
     }

@@ -44,6 +44,11 @@ mod solvers;
 mod step_start;
 mod stepper;
 
+pub(crate) use groups::Link;
+pub(crate) use members::Members;
+pub(crate) use solvers::Solvers;
+pub(crate) use stepper::{Physics, Stepper};
+
 pub use dense_cholesky::DenseCholesky;
 pub use energy_balance::EnergyBalance;
 pub use instance::{Instance, Pin};

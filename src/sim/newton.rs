@@ -11,7 +11,7 @@ use super::members::Members;
 use super::minimisation::Minimisation;
 use super::report::{Stop, Timings};
 use super::settings::SolverMode;
-use super::solvers::Solvers;
+use super::solvers::Systems;
 use crate::Result;
 use crate::math::{Stopwatch, par_members, par_split};
 
@@ -37,6 +37,7 @@ pub(super) struct Newton {
     pub fallbacks: Iterates,
     /// Which members move in one linear system.
     pub groups: Groups,
+    systems: Systems,
     coupled: Coupled,
     /// Which minimisations have not ended yet.
     running: Vec<bool>,
@@ -47,7 +48,7 @@ pub(super) struct Newton {
 
 impl Newton {
     /// Room for these members, none of them active and each by itself.
-    pub fn new(minimisations: Vec<Minimisation>) -> Self {
+    pub fn new(minimisations: Vec<Minimisation>, systems: Systems) -> Self {
         let count = minimisations.len();
         let states = || minimisations.iter().map(|m| m.current.clone()).collect();
         Self {
@@ -55,6 +56,7 @@ impl Newton {
             iterates: Iterates::new(states()),
             fallbacks: Iterates::new(states()),
             groups: Groups::singles(count),
+            systems,
             coupled: Coupled::default(),
             running: vec![false; count],
             rising: vec![false; count],
@@ -64,11 +66,9 @@ impl Newton {
     }
 
     /// Minimises from the predictions in [`Newton::iterates`], or the fall-backs, and leaves the results there.
-    /// `solvers` are those of each asset, see [`Members::asset`].
     pub async fn minimise<M: Members>(
         &mut self,
         members: &mut M,
-        solvers: &[Solvers],
         mode: SolverMode,
         timings: &mut Timings,
         observer: &mut Observer<'_>,
@@ -91,7 +91,7 @@ impl Newton {
             if iteration > 1 {
                 self.evaluate(members, timings).await?;
             }
-            self.solve(members, solvers, timings)?;
+            self.solve(timings)?;
             self.show(observer);
             self.take_short_steps(short, when_short);
             self.search_line(members, timings).await?;
@@ -140,20 +140,15 @@ impl Newton {
     }
 
     /// Solves for the Newton step of every running member.
-    fn solve<M: Members>(
-        &mut self,
-        members: &M,
-        solvers: &[Solvers],
-        timings: &mut Timings,
-    ) -> Result<()> {
+    fn solve(&mut self, timings: &mut Timings) -> Result<()> {
         let watch = Stopwatch::start();
-        self.solve_singles(members, solvers);
+        self.solve_singles();
         self.coupled.solve(
             &self.groups,
-            members,
+            &self.systems,
             &self.running,
             &mut self.minimisations,
-            &mut self.iterates,
+            &self.iterates,
         );
         timings.solve += watch.ms();
         for (minimisation, running) in self.minimisations.iter_mut().zip(&self.running) {
@@ -165,26 +160,24 @@ impl Newton {
     }
 
     /// Solves for what is alone in its group, one member a task.
-    fn solve_singles<M: Members>(&mut self, members: &M, solvers: &[Solvers]) {
+    fn solve_singles(&mut self) {
         let Iterates {
             evaluations,
             skeleton_energies,
             ..
         } = &mut self.iterates;
         let skeleton_energies = &*skeleton_energies;
-        let (running, groups) = (&self.running, &self.groups);
+        let (running, groups, systems) = (&self.running, &self.groups, &self.systems);
         let solve = |i: usize, (minimisation, evaluation)| {
             let minimisation: &mut Minimisation = minimisation;
             if running[i] && groups.is_alone(i) {
-                let (pattern, energies) = (members.pattern(i), skeleton_energies[i]);
-                let solvers = &solvers[members.asset(i)];
-                minimisation.solved = solvers
-                    .lend(|solver| minimisation.solve(solver, pattern, evaluation, energies));
+                let (pattern, energies) = (systems.pattern(i), skeleton_energies[i]);
+                minimisation.solved = systems
+                    .lend(i, |solver| minimisation.solve(solver, pattern, evaluation, energies));
             }
         };
         let parts = (&mut self.minimisations[..], &mut evaluations[..]);
-        if solvers.iter().any(Solvers::is_single) {
-            // A solver that serves all may use threads itself.
+        if systems.in_turn() {
             par_split(running.len(), running.len(), parts, solve);
         } else {
             par_members(running.len(), parts, solve);

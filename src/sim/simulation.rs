@@ -22,7 +22,7 @@ pub struct Simulation<P> {
     stepper: Stepper,
 }
 
-impl<P: Potential + Sync> Simulation<P> {
+impl<P: Potential> Simulation<P> {
     /// `potential.instances()` avatars at rest in the bind pose, with the reduced system's solver.
     ///
     /// # Errors
@@ -42,7 +42,8 @@ impl<P: Potential + Sync> Simulation<P> {
         settings: Settings,
         solver: Box<dyn LinearSolver + Send>,
     ) -> Result<Self> {
-        Self::with_solvers(avatar, potential, settings, Solvers::one(solver))
+        let solvers = Solvers::one(potential.pattern(), solver);
+        Self::with_solvers(avatar, potential, settings, solvers)
     }
 
     fn with_solvers(
@@ -69,7 +70,7 @@ impl<P: Potential + Sync> Simulation<P> {
             .collect();
         let members = instances.iter().map(|instance| (&physics, instance));
         Ok(Self {
-            stepper: Stepper::new(members, vec![solvers]),
+            stepper: Stepper::new(members, vec![solvers], std::iter::once(instances.len())),
             potential,
             physics,
             instances,

@@ -9,7 +9,7 @@ use super::newton::Newton;
 use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, Timings};
 use super::settings::Settings;
-use super::solvers::Solvers;
+use super::solvers::{Solvers, Systems};
 use super::step_start::{skeleton_start, tissue_start};
 use crate::math::{Stopwatch, par_members, recycled};
 use crate::model::State;
@@ -17,6 +17,7 @@ use crate::potential::StepStart;
 use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
 use crate::{Error, Result};
 use glam::DVec3;
+use std::borrow::{Borrow, BorrowMut};
 use std::ops::Range;
 
 /// What steps the instances of an asset, all constant.
@@ -41,25 +42,25 @@ impl Physics {
 /// The memory of steps of a list of members. The instances of an asset are consecutive members.
 pub(crate) struct Stepper {
     newton: Newton,
-    /// One set for each asset, see [`Members::asset`].
-    solvers: Vec<Solvers>,
     /// Memory of the starts of a step.
     starts: Vec<StepStart<'static>>,
 }
 
 impl Stepper {
-    /// Room for `members` of assets that have `solvers`.
+    /// Room for `members` of assets that have `solvers`; of each asset there are so many as `counts` says.
     pub fn new<'a>(
         members: impl Iterator<Item = (&'a Physics, &'a Instance)>,
         solvers: Vec<Solvers>,
+        counts: impl Iterator<Item = usize>,
     ) -> Self {
+        let of_asset = |(asset, count)| std::iter::repeat_n(asset, count);
+        let systems = Systems::new(solvers, counts.enumerate().flat_map(of_asset).collect());
         let minimisation = |(physics, instance): (&Physics, &Instance)| {
             let skeleton = physics.skeleton_potential(instance);
             Minimisation::new(skeleton, instance.state.clone())
         };
         Self {
-            newton: Newton::new(members.map(minimisation).collect()),
-            solvers,
+            newton: Newton::new(members.map(minimisation).collect(), systems),
             starts: Vec::new(),
         }
     }
@@ -75,11 +76,11 @@ impl Stepper {
         &mut self,
         range: Range<usize>,
         physics: &Physics,
-        instances: &[Instance],
+        instances: &[impl Borrow<Instance> + Sync],
     ) -> Result<()> {
         let newton = &mut self.newton;
         for (active, instance) in newton.active[range.clone()].iter_mut().zip(instances) {
-            *active = instance.active;
+            *active = instance.borrow().active;
         }
         let minimisations = &mut newton.minimisations[range.clone()];
         let parts = (
@@ -91,7 +92,7 @@ impl Stepper {
             range.len(),
             parts,
             |i, (minimisation, iterate, fallback)| {
-                let instance = &instances[i];
+                let instance: &Instance = instances[i].borrow();
                 minimisation.report.reset();
                 if !instance.active {
                     iterate.clone_from(&instance.state);
@@ -153,7 +154,7 @@ impl Stepper {
             return Ok(());
         };
         newton
-            .minimise(members, &self.solvers, mode, timings, observer)
+            .minimise(members, mode, timings, observer)
             .await?;
         for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
             if *active && !state.is_finite() {
@@ -168,14 +169,19 @@ impl Stepper {
 
     /// Makes the iterates the new states of the `instances` of an asset, which are the members of `range`, and completes
     /// the reports.
-    pub fn commit(&mut self, range: Range<usize>, physics: &Physics, instances: &mut [Instance]) {
+    pub fn commit(
+        &mut self,
+        range: Range<usize>,
+        physics: &Physics,
+        instances: &mut [impl BorrowMut<Instance> + Send],
+    ) {
         let newton = &mut self.newton;
         let (states, active) = (&newton.iterates.states, &newton.active);
         let parts = (&mut newton.minimisations[range.clone()], instances);
         par_members(range.len(), parts, |i, (minimisation, instance)| {
             let member = range.start + i;
             if active[member] {
-                commit(minimisation, &states[member], physics, instance);
+                commit(minimisation, &states[member], physics, instance.borrow_mut());
             }
         });
     }
@@ -183,11 +189,6 @@ impl Stepper {
     /// Exchanges the report of a member for the memory of an older one.
     pub fn swap_report(&mut self, member: usize, report: &mut InstanceReport) {
         std::mem::swap(report, &mut self.newton.minimisations[member].report);
-    }
-
-    /// The states that the last step led to.
-    pub fn states(&self) -> &[State] {
-        &self.newton.iterates.states
     }
 }
 

@@ -97,20 +97,23 @@ impl Backend {
 }
 
 impl Opened {
-    /// Evaluates avatars of one asset; `avatar` has the body slots of `room`.
-    pub fn evaluator(&self, avatar: &Arc<Avatar>, room: Room) -> Result<Evaluator> {
+    /// Evaluates avatars of one asset; `avatar` has the body slots of `room`. Rigid bodies are evaluated on the CPU.
+    pub fn evaluator(&self, avatar: &Arc<Avatar>, room: Room, is_body: bool) -> Result<Evaluator> {
+        let (avatar, instances) = (avatar.clone(), room.instances.max(1));
         match self {
-            Self::Cpu => Evaluator::cpu(avatar, room),
             #[cfg(feature = "gpu")]
-            Self::Gpu { device, queue } => {
+            Self::Gpu { device, queue } if !is_body => {
                 let options = GpuOptions {
                     colliders: room.colliders.max(1),
                     meshes: room.meshes.max(1),
                     ..GpuOptions::default()
                 };
-                let (avatar, instances) = (avatar.clone(), room.instances.max(1));
                 let potential = GpuPotential::new(device, queue, avatar, instances, options)?;
                 Ok(Evaluator::Gpu(Box::new(potential)))
+            }
+            _ => {
+                let potential = CpuPotential::new(avatar, instances)?;
+                Ok(Evaluator::Cpu(Box::new(potential)))
             }
         }
     }
@@ -144,12 +147,6 @@ macro_rules! either {
 }
 
 impl Evaluator {
-    /// In f64 on the CPU.
-    pub fn cpu(avatar: &Arc<Avatar>, room: Room) -> Result<Self> {
-        let potential = CpuPotential::new(avatar.clone(), room.instances.max(1))?;
-        Ok(Self::Cpu(Box::new(potential)))
-    }
-
     pub fn pattern(&self) -> &BlockPattern {
         either!(self, |potential| potential.pattern())
     }

@@ -1,15 +1,13 @@
-//! The instances of one asset in a world, and all assets' together as a step sees them.
+//! The instances of one asset in a world.
 
 use super::backend::{Evaluator, Opened, Room};
-use super::character::Character;
+use super::character::{Character, pose_stiffness};
 use super::near::SkinBounds;
 use crate::Result;
-use crate::math::recycled;
-use crate::model::{Avatar, State};
-use crate::potential::{BlockPattern, Evaluation, HessianForm, StepStart, Trial};
-use crate::sim::internal::{Members, Physics, Solvers};
-use crate::sim::Settings;
+use crate::model::{Avatar, Frame};
+use crate::sim::{Physics, Settings, Solvers};
 use crate::skeleton::SkeletonModel;
+use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -20,49 +18,46 @@ pub(super) struct Batch {
     /// That with body slots.
     pub avatar: Arc<Avatar>,
     pub physics: Physics,
-    pub evaluator: Evaluator,
     pub bounds: SkinBounds,
-    /// As many as there is room for; those without a key are unused.
+    /// As many as there is room for.
     pub characters: Vec<Character>,
-    /// Which of them are in use.
+    /// Which of them stand in the world.
     pub used: Vec<bool>,
-    pub room: Room,
+    room: Room,
     /// Its first member.
     pub first: usize,
     pub is_body: bool,
-    /// Memory of an energy difference's trials, and whose they are.
-    trials: Vec<Trial<'static>>,
-    places: Vec<usize>,
-    differences: Vec<f64>,
+    pose_stiffness: Arc<[f64]>,
 }
 
 impl Batch {
-    pub fn new(opened: &Opened, base: Arc<Avatar>, settings: Settings, is_body: bool) -> Result<Self> {
+    /// With no instance, and what evaluates it.
+    pub fn new(
+        opened: &Opened,
+        base: Arc<Avatar>,
+        settings: Settings,
+        is_body: bool,
+    ) -> Result<(Self, Evaluator)> {
         base.validate()?;
         let room = Room::default();
-        let evaluator = match is_body {
-            true => Evaluator::cpu(&base, room)?,
-            false => opened.evaluator(&base, room)?,
-        };
-        Ok(Self {
+        let evaluator = opened.evaluator(&base, room, is_body)?;
+        let batch = Self {
             avatar: base.clone(),
             physics: Physics {
                 skeleton: SkeletonModel::new(&base),
                 captured_under_gravity: base.captured_under_gravity,
                 settings,
             },
-            evaluator,
             bounds: SkinBounds::new(&base),
             characters: Vec::new(),
             used: Vec::new(),
             room,
             first: 0,
             is_body,
-            trials: Vec::new(),
-            places: Vec::new(),
-            differences: Vec::new(),
+            pose_stiffness: pose_stiffness(&base),
             base,
-        })
+        };
+        Ok((batch, evaluator))
     }
 
     /// Its members.
@@ -70,140 +65,46 @@ impl Batch {
         self.first..self.first + self.characters.len()
     }
 
-    /// Makes room; tells whether anything had to be made anew. Nothing has changed where it fails.
-    pub fn make_room(&mut self, opened: &Opened, wanted: Room) -> Result<bool> {
+    /// Makes room: where more is wanted than there is, another evaluator and frames for bodies. Nothing has changed where
+    /// that fails.
+    pub fn make_room(&mut self, opened: &Opened, wanted: Room) -> Result<Option<Evaluator>> {
         let room = self.room.union(wanted);
         if room == self.room {
-            return Ok(false);
+            return Ok(None);
         }
-        let room = self.room.union(room.rounded_up());
+        let room = room.rounded_up();
         let avatar = match room.body_slots {
             0 => self.base.clone(),
             slots => Arc::new((*self.base).clone().with_body_slots(slots)?),
         };
-        self.evaluator = match self.is_body {
-            true => Evaluator::cpu(&avatar, room)?,
-            false => opened.evaluator(&avatar, room)?,
-        };
-        self.physics.skeleton = SkeletonModel::new(&avatar);
-        (self.characters.iter_mut()).for_each(|character| character.set_avatar(&avatar));
+        let evaluator = opened.evaluator(&avatar, room, self.is_body)?;
+        if room.body_slots != self.room.body_slots {
+            self.physics.skeleton = SkeletonModel::new(&avatar);
+            (self.characters.iter_mut()).for_each(|character| character.set_avatar(&avatar));
+        }
         self.avatar = avatar;
         self.room = room;
-        Ok(true)
+        let missing = room.instances.saturating_sub(self.characters.len());
+        for _ in 0..missing {
+            self.characters.push(self.character(DVec3::ZERO, &Frame::IDENTITY));
+            self.used.push(false);
+        }
+        Ok(Some(evaluator))
+    }
+
+    /// An instance at rest.
+    pub fn character(&self, gravity: DVec3, placement: &Frame) -> Character {
+        let settings = &self.physics.settings;
+        Character::new(&self.avatar, settings, gravity, &self.pose_stiffness, placement)
+    }
+
+    /// The first place that no instance has.
+    pub fn free_place(&self) -> Option<usize> {
+        self.used.iter().position(|used| !used)
     }
 
     /// Solvers of its systems.
-    pub fn solvers(&self) -> Solvers {
-        Solvers::dense(self.evaluator.pattern(), self.characters.len())
-    }
-}
-
-/// All assets of a world; their members are numbered one after another.
-#[derive(Default)]
-pub(super) struct Batches {
-    pub list: Vec<Batch>,
-    /// Of each member.
-    pub batch_of: Vec<usize>,
-}
-
-impl Batches {
-    /// Numbers the members anew.
-    pub fn number(&mut self) {
-        self.batch_of.clear();
-        for (b, batch) in self.list.iter_mut().enumerate() {
-            batch.first = self.batch_of.len();
-            let count = batch.characters.len();
-            self.batch_of.extend(std::iter::repeat_n(b, count));
-        }
-    }
-
-    /// The batch of a member, and which of its instances it is.
-    pub fn of_member(&mut self, member: usize) -> (&mut Batch, usize) {
-        let batch = &mut self.list[self.batch_of[member]];
-        let place = member - batch.first;
-        (batch, place)
-    }
-}
-
-impl Members for Batches {
-    fn asset(&self, member: usize) -> usize {
-        self.batch_of[member]
-    }
-
-    fn pattern(&self, member: usize) -> &BlockPattern {
-        self.list[self.batch_of[member]].evaluator.pattern()
-    }
-
-    fn hessian_form(&self, member: usize) -> HessianForm {
-        self.list[self.batch_of[member]].evaluator.hessian_form()
-    }
-
-    async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
-        for batch in &mut self.list {
-            let range = batch.members();
-            if active[range.clone()].contains(&true) {
-                (batch.evaluator)
-                    .begin_step(&starts[range.clone()], &active[range])
-                    .await?;
-            }
-        }
-        Ok(())
-    }
-
-    async fn evaluate(
-        &mut self,
-        states: &[State],
-        wanted: &[bool],
-        out: &mut [Evaluation],
-    ) -> Result<()> {
-        for batch in &mut self.list {
-            let range = batch.members();
-            if wanted[range.clone()].contains(&true) {
-                let (states, wanted) = (&states[range.clone()], &wanted[range.clone()]);
-                (batch.evaluator)
-                    .evaluate(states, wanted, &mut out[range])
-                    .await?;
-            }
-        }
-        Ok(())
-    }
-
-    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
-        for batch in &mut self.list {
-            let range = batch.members();
-            let mut of_batch: Vec<Trial<'_>> = recycled(std::mem::take(&mut batch.trials));
-            batch.places.clear();
-            for (k, trial) in trials.iter().enumerate() {
-                if range.contains(&trial.instance) {
-                    of_batch.push(Trial {
-                        instance: trial.instance - range.start,
-                        ..*trial
-                    });
-                    batch.places.push(k);
-                }
-            }
-            batch.differences.resize(of_batch.len(), 0.0);
-            if !of_batch.is_empty() {
-                let differences = &mut batch.differences;
-                (batch.evaluator)
-                    .energy_differences(&of_batch, differences)
-                    .await?;
-            }
-            for (&k, difference) in batch.places.iter().zip(&batch.differences) {
-                out[k] = *difference;
-            }
-            batch.trials = recycled(of_batch);
-        }
-        Ok(())
-    }
-
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        for batch in &mut self.list {
-            let range = batch.members();
-            if !range.is_empty() {
-                batch.evaluator.pose_skin(&states[range]).await?;
-            }
-        }
-        Ok(())
+    pub fn solvers(&self, evaluator: &Evaluator) -> Solvers {
+        Solvers::dense(evaluator.pattern(), self.characters.len())
     }
 }

@@ -110,6 +110,11 @@ impl Character {
         self.placement
     }
 
+    /// What the layer below knows of it.
+    pub fn instance(&self) -> &Instance {
+        &self.instance
+    }
+
     /// Ranges of joints, springs and targets, for those who know the layer below: its frames, and what drives its pose,
     /// are this type's own.
     pub fn instance_mut(&mut self) -> &mut Instance {
@@ -281,8 +286,11 @@ impl Character {
     }
 
     /// The world matrices of the avatar's joints as they are simulated, in the order of [`Avatar::joints`].
-    pub fn joint_matrices(&self, out: &mut Vec<Mat4>) {
-        self.avatar.joints.joint_matrices(self.frames(), out);
+    ///
+    /// # Errors
+    /// None: there are as many frames as bones.
+    pub fn joint_matrices(&self, out: &mut Vec<Mat4>) -> Result<()> {
+        self.avatar.joints.joint_matrices(self.frames(), out)
     }
 
     /// Where the driver wants bone `j` of the bind pose.

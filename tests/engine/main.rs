@@ -6,3 +6,4 @@ mod potential;
 mod sim;
 mod skeleton;
 mod support;
+mod world;

@@ -20,8 +20,8 @@ use super::dense_cholesky::SINGLE_PRECISION_RESIDUAL;
 use super::groups::Groups;
 use super::iterates::Iterates;
 use super::linear_solver::{DIAGONAL_SHIFTS, SolveReport, multiply_add};
-use super::members::Members;
 use super::minimisation::{Minimisation, check};
+use super::solvers::Systems;
 use crate::math::par_members;
 use crate::potential::{BlockPattern, Evaluation};
 use crate::{Error, Result};
@@ -40,10 +40,10 @@ pub(super) struct Coupled {
 
 impl Coupled {
     /// Solves for the Newton step of every running member that is not alone.
-    pub fn solve<M: Members>(
+    pub fn solve(
         &mut self,
         groups: &Groups,
-        members: &M,
+        systems: &Systems,
         running: &[bool],
         minimisations: &mut [Minimisation],
         iterates: &Iterates,
@@ -51,13 +51,13 @@ impl Coupled {
         if groups.is_single() {
             return;
         }
-        self.begin(groups, members, running, minimisations, iterates);
+        self.begin(groups, systems, running, minimisations, iterates);
         let shifts = DIAGONAL_SHIFTS.iter().map(|&shift| Attempt::Double(shift));
         for attempt in std::iter::once(Attempt::Single).chain(shifts) {
             if !self.groups.iter().any(Shared::is_pending) {
                 break;
             }
-            self.attempt(groups, members, &iterates.evaluations, attempt);
+            self.attempt(groups, systems, &iterates.evaluations, attempt);
         }
         for (group, shared) in self.groups.iter().enumerate().filter(|(_, g)| g.running) {
             let of_group = groups.members(group);
@@ -65,7 +65,7 @@ impl Coupled {
                 let minimisation = &mut minimisations[i];
                 minimisation.step.copy_from_slice(&self.parts[i].step);
                 minimisation.solved =
-                    finish(members.pattern(i), minimisation, iterates, i, shared.solved);
+                    finish(systems.pattern(i), minimisation, iterates, i, shared.solved);
             }
             let reports = || of_group.iter().map(|&i| &minimisations[i].report);
             let decrement = reports().map(|r| r.decrement).sum();
@@ -78,10 +78,10 @@ impl Coupled {
     }
 
     /// Numbers and scales the DoFs of every group.
-    fn begin<M: Members>(
+    fn begin(
         &mut self,
         groups: &Groups,
-        members: &M,
+        systems: &Systems,
         running: &[bool],
         minimisations: &[Minimisation],
         iterates: &Iterates,
@@ -116,7 +116,7 @@ impl Coupled {
             shared.begin(dofs);
             for &i in of_group {
                 let (part, fixed) = (&mut parts[i], &minimisations[i].fixed);
-                let (pattern, hessian) = (members.pattern(i), &iterates.evaluations[i].hessian);
+                let (pattern, hessian) = (systems.pattern(i), &iterates.evaluations[i].hessian);
                 let linked = links.iter().filter(|link| link.member == i);
                 let linked = linked.map(|link| link.frame);
                 let own_frame = is_body(i).then_some(0);
@@ -149,10 +149,10 @@ impl Coupled {
     }
 
     /// Tries one factor on every group that is not solved yet.
-    fn attempt<M: Members>(
+    fn attempt(
         &mut self,
         groups: &Groups,
-        members: &M,
+        systems: &Systems,
         evaluations: &[Evaluation],
         attempt: Attempt,
     ) {
@@ -165,7 +165,7 @@ impl Coupled {
             |part: &Part, shared: &[Shared]| part.group.is_some_and(|g| shared[g].is_pending());
         par_members(count, &mut parts[..], |i, part: &mut Part| {
             if pending(part, shared) {
-                part.factorise(members.pattern(i), &evaluations[i].hessian, attempt);
+                part.factorise(systems.pattern(i), &evaluations[i].hessian, attempt);
                 part.step.fill(0.0);
             }
         });
@@ -174,7 +174,7 @@ impl Coupled {
                 if !pending(part, shared) || !part.factored {
                     return;
                 }
-                let (evaluation, pattern) = (&evaluations[i], members.pattern(i));
+                let (evaluation, pattern) = (&evaluations[i], systems.pattern(i));
                 let (hessian, gradient) = (&evaluation.hessian, &evaluation.gradient);
                 multiply_add(pattern, hessian, &part.step, gradient, &mut part.residual);
                 if round < ROUNDS {

@@ -68,6 +68,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
             ..layer.clone()
         },
         bodies: avatar.bodies.clone(),
+        body_slots: avatar.body_slots,
     })
 }
 

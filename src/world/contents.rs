@@ -1,0 +1,403 @@
+//! What a world holds: it comes and goes between steps.
+
+use super::backend::{Backend, Opened, Room, gone};
+use super::batch::Batch;
+use super::character::{Character, rigid};
+use super::evaluators::Evaluators;
+use super::keys::{AvatarId, BodyId, ColliderId, InstanceId};
+use super::meetings::Meetings;
+use crate::collider::Collider;
+use crate::model::{Avatar, Frame, RigidBody, UpAxis};
+use crate::sim::{InstanceReport, Settings, Stepper, Timings};
+use crate::Result;
+use glam::DVec3;
+use slotmap::SlotMap;
+use std::sync::Arc;
+
+/// Gravity on Earth, m/s².
+const GRAVITY: f64 = 9.81;
+
+/// A rigid body, and which asset it is.
+pub(super) struct Body {
+    pub rigid: RigidBody,
+    /// What avatars meet of it, in its own frame.
+    pub collider: Collider,
+    pub asset: usize,
+}
+
+/// Avatars of any assets that move together, with colliders and rigid bodies that all of them share.
+pub struct World {
+    pub(super) opened: Opened,
+    pub(super) settings: Settings,
+    up: UpAxis,
+    gravity: DVec3,
+    avatars: SlotMap<AvatarId, usize>,
+    /// Asset and place in it.
+    pub(super) instances: SlotMap<InstanceId, (usize, usize)>,
+    pub(super) bodies: SlotMap<BodyId, Body>,
+    pub(super) colliders: SlotMap<ColliderId, Collider>,
+    pub(super) batches: Vec<Batch>,
+    pub(super) evaluators: Evaluators,
+    /// None where members have come or gone since the last step.
+    pub(super) stepper: Option<Stepper>,
+    pub(super) meetings: Meetings,
+    pub(super) timings: Timings,
+}
+
+impl World {
+    /// An empty world in which y points up, with gravity of 9.81 m/s². Blocks while an adapter is looked for.
+    ///
+    /// # Errors
+    /// A device that cannot be used.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn new(backend: Backend) -> Result<Self> {
+        pollster::block_on(Self::open(backend))
+    }
+
+    /// [`World::new`] without blocking.
+    ///
+    /// # Errors
+    /// A device that cannot be used.
+    pub async fn open(backend: Backend) -> Result<Self> {
+        let up = UpAxis::Y;
+        Ok(Self {
+            opened: backend.open().await?,
+            settings: Settings::default(),
+            up,
+            gravity: -GRAVITY * up.direction(),
+            avatars: SlotMap::with_key(),
+            instances: SlotMap::with_key(),
+            bodies: SlotMap::with_key(),
+            colliders: SlotMap::with_key(),
+            batches: Vec::new(),
+            evaluators: Evaluators::default(),
+            stepper: None,
+            meetings: Meetings::default(),
+            timings: Timings::default(),
+        })
+    }
+
+    /// The same world with another axis up, and gravity against it. What is in it stays as it stands.
+    pub fn with_up(mut self, up: UpAxis) -> Self {
+        self.up = up;
+        self.set_gravity(-GRAVITY * up.direction());
+        self
+    }
+
+    /// The same world with other constants; the time step in them is not read.
+    ///
+    /// # Errors
+    /// Constants that are unusable.
+    pub fn with_settings(mut self, settings: Settings) -> Result<Self> {
+        settings.validate()?;
+        let time_step = self.settings.time_step;
+        self.settings = Settings {
+            time_step,
+            ..settings
+        };
+        for batch in &mut self.batches {
+            batch.physics.settings = self.settings;
+        }
+        Ok(self)
+    }
+
+    /// Which axis points up.
+    pub fn up(&self) -> UpAxis {
+        self.up
+    }
+
+    /// Gravity, m/s².
+    pub fn gravity(&self) -> DVec3 {
+        self.gravity
+    }
+
+    /// Other gravity (m/s²) for all that is here and comes.
+    pub fn set_gravity(&mut self, gravity: DVec3) {
+        self.gravity = gravity;
+        for character in self.batches.iter_mut().flat_map(|b| &mut b.characters) {
+            character.instance.gravity = gravity;
+        }
+    }
+
+    /// What evaluates the tissue: `"cpu"`, or the adapter's name.
+    pub fn backend(&self) -> String {
+        self.opened.name()
+    }
+
+    /// Wall-clock times of the last step.
+    pub fn timings(&self) -> Timings {
+        self.timings
+    }
+
+    /// Hands an avatar in, once for all its instances.
+    ///
+    /// # Errors
+    /// An avatar that is not sound, or has rigid bodies of its own; limits of the device.
+    pub fn add_avatar(&mut self, avatar: impl Into<Arc<Avatar>>) -> Result<AvatarId> {
+        let (batch, evaluator) = Batch::new(&self.opened, avatar.into(), self.settings, false)?;
+        let asset = self.push(batch, evaluator);
+        Ok(self.avatars.insert(asset))
+    }
+
+    /// Takes an avatar out, with all its instances.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn remove_avatar(&mut self, avatar: AvatarId) -> Result<()> {
+        let asset = self.avatars.remove(avatar).ok_or_else(|| gone("avatar"))?;
+        self.instances.retain(|_, (of, _)| *of != asset);
+        self.remove_asset(asset);
+        Ok(())
+    }
+
+    /// Another instance of an avatar, in its bind pose: stood up about its file's origin, which is the world's, and held
+    /// there.
+    ///
+    /// # Errors
+    /// A key of none; limits of the device.
+    pub fn add_instance(&mut self, avatar: AvatarId) -> Result<InstanceId> {
+        self.add_instance_at(avatar, &Frame::IDENTITY)
+    }
+
+    /// [`World::add_instance`], then moved rigidly by `placement`.
+    ///
+    /// # Errors
+    /// As [`World::add_instance`], and of a placement that is not rigid.
+    pub fn add_instance_at(&mut self, avatar: AvatarId, placement: &Frame) -> Result<InstanceId> {
+        rigid("placement", placement)?;
+        let asset = *self.avatars.get(avatar).ok_or_else(|| gone("avatar"))?;
+        let place = self.place(asset)?;
+        let batch = &mut self.batches[asset];
+        let placement = placement.compose(&batch.avatar.standing(self.up));
+        batch.characters[place] = batch.character(self.gravity, &placement);
+        batch.used[place] = true;
+        Ok(self.instances.insert((asset, place)))
+    }
+
+    /// Takes an instance out.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn remove_instance(&mut self, instance: InstanceId) -> Result<()> {
+        let removed = self.instances.remove(instance);
+        let (asset, place) = removed.ok_or_else(|| gone("instance"))?;
+        self.batches[asset].used[place] = false;
+        Ok(())
+    }
+
+    /// Keys of the instances.
+    pub fn instances(&self) -> impl Iterator<Item = InstanceId> {
+        self.instances.keys()
+    }
+
+    /// An instance.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn instance(&self, instance: InstanceId) -> Result<&Character> {
+        let (asset, place) = self.find(instance)?;
+        Ok(&self.batches[asset].characters[place])
+    }
+
+    /// An instance, to be driven between steps.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn instance_mut(&mut self, instance: InstanceId) -> Result<&mut Character> {
+        let (asset, place) = self.find(instance)?;
+        Ok(&mut self.batches[asset].characters[place])
+    }
+
+    pub(super) fn find(&self, instance: InstanceId) -> Result<(usize, usize)> {
+        let found = self.instances.get(instance).copied();
+        found.ok_or_else(|| gone("instance"))
+    }
+
+    /// A collider that all avatars and bodies meet. Its motion is the host's: write its `frame` between steps.
+    ///
+    /// # Errors
+    /// A collider that is not sound, or fixed to a frame.
+    pub fn add_collider(&mut self, collider: Collider) -> Result<ColliderId> {
+        collider.validate().map_err(|e| e.within("collider"))?;
+        if collider.body.is_some() {
+            let problem = "is fixed to a frame of an avatar; add a rigid body instead";
+            return Err(crate::Error::invalid("collider.body", problem));
+        }
+        Ok(self.colliders.insert(collider))
+    }
+
+    /// A collider.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn collider_mut(&mut self, collider: ColliderId) -> Result<&mut Collider> {
+        self.colliders.get_mut(collider).ok_or_else(|| gone("collider"))
+    }
+
+    /// Takes a collider out.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn remove_collider(&mut self, collider: ColliderId) -> Result<Collider> {
+        self.colliders.remove(collider).ok_or_else(|| gone("collider"))
+    }
+
+    /// A rigid body, which falls, rests on colliders, is pushed by all avatars that touch it and pushes back.
+    ///
+    /// # Errors
+    /// A body that is not sound.
+    pub fn add_body(&mut self, body: RigidBody) -> Result<BodyId> {
+        (body.collider(0).validate()).map_err(|e| e.within(&format!("bodies.{}", body.name)))?;
+        rigid("body.initial_frame", &body.initial_frame)?;
+        let avatar = Arc::new(body.alone());
+        let (batch, evaluator) = Batch::new(&self.opened, avatar, self.settings, true)?;
+        let asset = self.push(batch, evaluator);
+        let place = self.place(asset)?;
+        let batch = &mut self.batches[asset];
+        let mut character = batch.character(self.gravity, &body.initial_frame);
+        character.ragdoll(0.0)?;
+        batch.characters[place] = character;
+        batch.used[place] = true;
+        Ok(self.bodies.insert(Body {
+            collider: body.collider(0),
+            rigid: body,
+            asset,
+        }))
+    }
+
+    /// Takes a body out.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn remove_body(&mut self, body: BodyId) -> Result<()> {
+        let removed = self.bodies.remove(body).ok_or_else(|| gone("body"))?;
+        self.remove_asset(removed.asset);
+        Ok(())
+    }
+
+    /// Where a body is.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn body_frame(&self, body: BodyId) -> Result<Frame> {
+        Ok(self.body(body)?.instance.state.frames[0])
+    }
+
+    /// Where a body was before the last step, and where it is.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn body_motion(&self, body: BodyId) -> Result<(Frame, Frame)> {
+        let instance = &self.body(body)?.instance;
+        Ok((instance.previous.frames[0], instance.state.frames[0]))
+    }
+
+    /// What the last step said of a body.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn body_report(&self, body: BodyId) -> Result<&InstanceReport> {
+        Ok(&self.body(body)?.report)
+    }
+
+    /// Puts a body at `frame`, with the velocity of its origin (m/s) and an angular velocity (rad/s).
+    ///
+    /// # Errors
+    /// A key of none, a frame that is not rigid, or velocities that are not finite.
+    pub fn set_body_motion(
+        &mut self,
+        body: BodyId,
+        frame: &Frame,
+        velocity: DVec3,
+        angular_velocity: DVec3,
+    ) -> Result<()> {
+        rigid("frame", frame)?;
+        if !(velocity.is_finite() && angular_velocity.is_finite()) {
+            return Err(crate::Error::invalid("velocity", "is not finite"));
+        }
+        let time_step = self.settings.time_step;
+        let asset = self.bodies.get(body).ok_or_else(|| gone("body"))?.asset;
+        let instance = &mut self.batches[asset].characters[0].instance;
+        instance.set_motion(0, *frame, velocity, angular_velocity, time_step);
+        Ok(())
+    }
+
+    fn body(&self, body: BodyId) -> Result<&Character> {
+        let asset = self.bodies.get(body).ok_or_else(|| gone("body"))?.asset;
+        Ok(&self.batches[asset].characters[0])
+    }
+
+    /// The posed skin of an instance: positions (m, world) and normals, copied out.
+    ///
+    /// # Errors
+    /// A key of none; a lost device.
+    pub async fn read_skin(
+        &mut self,
+        instance: InstanceId,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        let (asset, place) = self.find(instance)?;
+        let evaluator = self.evaluators.get_mut(asset);
+        evaluator.read_skin(place, positions, normals).await
+    }
+
+    /// [`World::read_skin`] on this thread until it is done.
+    ///
+    /// # Errors
+    /// As [`World::read_skin`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_skin_blocking(
+        &mut self,
+        instance: InstanceId,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        pollster::block_on(self.read_skin(instance, positions, normals))
+    }
+
+    /// Of the last step, s.
+    pub(super) fn time_step(&self) -> f64 {
+        self.settings.time_step
+    }
+
+    fn push(&mut self, batch: Batch, evaluator: super::backend::Evaluator) -> usize {
+        self.batches.push(batch);
+        self.evaluators.push(evaluator);
+        self.stepper = None;
+        self.batches.len() - 1
+    }
+
+    fn remove_asset(&mut self, asset: usize) {
+        self.batches.remove(asset);
+        self.evaluators.remove(asset);
+        let moved = |of: &mut usize| *of -= usize::from(*of > asset);
+        self.avatars.values_mut().for_each(moved);
+        self.instances.values_mut().for_each(|(of, _)| moved(of));
+        self.bodies.values_mut().for_each(|body| moved(&mut body.asset));
+        self.stepper = None;
+    }
+
+    /// A free place among an asset's instances.
+    fn place(&mut self, asset: usize) -> Result<usize> {
+        if let Some(place) = self.batches[asset].free_place() {
+            return Ok(place);
+        }
+        let instances = self.batches[asset].characters.len() + 1;
+        let wanted = Room {
+            instances,
+            ..Room::default()
+        };
+        self.make_room(asset, wanted)?;
+        Ok(instances - 1)
+    }
+
+    /// Makes room for an asset.
+    pub(super) fn make_room(&mut self, asset: usize, wanted: Room) -> Result<()> {
+        if let Some(evaluator) = self.batches[asset].make_room(&self.opened, wanted)? {
+            self.evaluators.replace(asset, evaluator);
+            self.stepper = None;
+        }
+        Ok(())
+    }
+}

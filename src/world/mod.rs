@@ -1,0 +1,31 @@
+//! A world: avatars of any assets, and the colliders and rigid bodies that all of them share.
+//!
+//! The layer for programs that have characters and want flesh on them; [`crate::sim`] is the layer below.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `keys` | what a world calls its things by |
+//! | `backend` | where the tissue is evaluated, and what evaluates one asset |
+//! | `evaluators` | all assets as a step sees them |
+//! | `character` | one avatar in the world, and what drives it |
+//! | `batch` | the instances of one asset |
+//! | `near` | what an avatar may touch |
+//! | `contents` | what comes and goes |
+//! | `meetings` | who touches what in a step |
+//! | `step` | a step |
+
+mod backend;
+mod batch;
+mod character;
+mod contents;
+mod evaluators;
+mod keys;
+mod meetings;
+mod near;
+mod step;
+
+pub use backend::Backend;
+pub use character::{Character, Driving};
+pub use contents::World;
+pub use keys::{AvatarId, BodyId, ColliderId, InstanceId};
+pub use step::LONGEST_STEP;

@@ -1,0 +1,167 @@
+//! What drives a character: the host's bones, springs, nothing.
+
+use super::{converged, limb};
+use crate::support;
+use std::sync::Arc;
+use supple::collider::{Collider, Shape};
+use supple::glam::{DMat3, DVec3};
+use supple::model::Frame;
+use supple::potential::CpuPotential;
+use supple::sim::{Pin, Settings, Simulation, SolverMode};
+use supple::world::{Backend, LONGEST_STEP};
+use supple::{Result, World};
+
+/// One asset, one instance: a world does what the layer below does, bit by bit.
+#[test]
+fn a_world_of_one_is_a_simulation() -> Result<()> {
+    let avatar = limb(5, 8);
+    let floor = Collider {
+        friction: 0.4,
+        ..Collider::new(Shape::Sphere { radius: 0.05 }, at(-0.085))
+    };
+    let settings = Settings {
+        solver: SolverMode::TWO_ITERATIONS,
+        ..Settings::default()
+    };
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
+    let mut simulation = Simulation::new(&avatar, potential, settings)?;
+    let mut world = World::new(Backend::Cpu)?.with_settings(settings)?;
+    let key = world.add_avatar(avatar)?;
+    let key = world.add_instance(key)?;
+    // Stood up about the file's origin.
+    world.instance_mut(key)?.teleport_to(&Frame::IDENTITY)?;
+    world.add_collider(floor.clone())?;
+    simulation.instances_mut()[0].colliders.push(floor);
+    simulation.instances_mut()[0].gravity = world.gravity();
+    for step in 0..40 {
+        let angle = 0.01 * f64::from(step);
+        let frame = Frame {
+            rotation: DMat3::from_rotation_x(angle),
+            position: DVec3::new(0.0, 0.0, 0.001 * f64::from(step)),
+        };
+        world.instance_mut(key)?.follow_frames(&[frame])?;
+        world.step_blocking(0.01)?;
+        let instance = &mut simulation.instances_mut()[0];
+        instance.pins.clear();
+        instance.pins.push(Pin { bone: 0, frame });
+        simulation.step_blocking()?;
+        let instance = &simulation.instances()[0];
+        assert_eq!(world.instance(key)?.state(), &instance.state, "step {step}");
+    }
+    assert!(world.instance(key)?.report().contacts > 0);
+    Ok(())
+}
+
+/// Nobody drives a chain of bones: it stands as it was bound, under gravity.
+#[test]
+fn what_nothing_drives_stands() -> Result<()> {
+    let avatar = Arc::new(support::full_space_limb(&support::SMALL, 4, false));
+    let mut world = World::new(Backend::Cpu)?;
+    let key = world.add_avatar(avatar.clone())?;
+    let key = world.add_instance(key)?;
+    let start = world.instance(key)?.state().clone();
+    for _ in 0..120 {
+        world.step_blocking(1.0 / 60.0)?;
+    }
+    let end = world.instance(key)?.state();
+    assert_eq!(end.frames[0], start.frames[0]);
+    let apart = |(a, b): (&Frame, &Frame)| a.position.distance(b.position);
+    let sag = start.frames.iter().zip(&end.frames).map(apart).fold(0.0, f64::max);
+    println!("{:.2} mm of {:.0} mm", sag * 1e3, 250.0);
+    assert!(sag < 0.02 * 0.25, "{sag} m");
+    world.instance_mut(key)?.ragdoll(0.0)?;
+    for _ in 0..10 {
+        world.step_blocking(1.0 / 60.0)?;
+    }
+    let fallen = start.frames[0].position.y - world.instance(key)?.frames()[0].position.y;
+    assert!(fallen > 0.1, "{fallen} m in 10 frames");
+    Ok(())
+}
+
+/// A teleport is not felt, a long step is none, sleep and wake neither.
+#[test]
+fn jumps_are_not_felt() -> Result<()> {
+    let mut world = converged()?;
+    let key = world.add_avatar(limb(4, 6))?;
+    let key = world.add_instance(key)?;
+    let drive = |world: &mut World, x: f64| world.instance_mut(key)?.follow_frames(&[at_x(x)]);
+    let swing = |world: &World| {
+        let handles = world.instance(key).unwrap().handles().iter();
+        handles.map(|h| h.length()).fold(0.0, f64::max)
+    };
+    for step in 0..5 {
+        drive(&mut world, 0.001 * f64::from(step))?;
+        world.step_blocking(0.01)?;
+    }
+    let before = swing(&world);
+    let away = Frame {
+        rotation: DMat3::from_rotation_z(2.0),
+        position: DVec3::new(3.0, -2.0, 5.0),
+    };
+    world.instance_mut(key)?.teleport_to(&away)?;
+    world.set_gravity(DVec3::ZERO);
+    world.step_blocking(0.01)?;
+    assert!(swing(&world) < before + 2e-4, "{} after {before}", swing(&world));
+    world.step_blocking(2.0 * LONGEST_STEP)?;
+    world.instance_mut(key)?.reset();
+    drive(&mut world, 7.0)?;
+    world.step_blocking(1.0)?;
+    assert!(swing(&world) < 1e-9, "{}", swing(&world));
+    assert_eq!(world.instance(key)?.frames()[0], at_x(7.0));
+    world.instance_mut(key)?.sleep();
+    for step in 0..10 {
+        drive(&mut world, 7.0 + 0.1 * f64::from(step))?;
+        world.step_blocking(0.01)?;
+    }
+    world.instance_mut(key)?.wake();
+    drive(&mut world, 8.0)?;
+    world.step_blocking(0.01)?;
+    assert!(swing(&world) < 1e-5, "{}", swing(&world));
+    Ok(())
+}
+
+#[test]
+fn unusable_input_is_refused_by_name_and_changes_nothing() -> Result<()> {
+    let mut world = converged()?;
+    let key = world.add_avatar(limb(4, 6))?;
+    let key = world.add_instance(key)?;
+    world.step_blocking(0.01)?;
+    let before = world.instance(key)?.state().clone();
+    for step in [0.0, -0.01, f64::NAN, f64::INFINITY] {
+        let error = world.step_blocking(step).unwrap_err().to_string();
+        assert!(error.contains("time_step"), "{error}");
+    }
+    let character = world.instance_mut(key)?;
+    let skewed = Frame {
+        rotation: DMat3::from_diagonal(DVec3::new(1.0, 1.0, 1.1)),
+        ..Frame::IDENTITY
+    };
+    let error = character.follow_frames(&[skewed]).unwrap_err().to_string();
+    assert!(error.contains("bone 0"), "{error}");
+    assert!(character.follow_frames(&[]).is_err());
+    assert!(character.follow_world(&[]).is_err());
+    assert!(character.ragdoll(-1.0).is_err());
+    assert!(character.teleport_to(&skewed).is_err());
+    assert_eq!(character.state(), &before);
+    assert!(world.add_instance_at(world_key_of_another(), &Frame::IDENTITY).is_err());
+    Ok(())
+}
+
+/// A key that no world has given.
+fn world_key_of_another() -> supple::world::AvatarId {
+    Default::default()
+}
+
+fn at(y: f64) -> Frame {
+    Frame {
+        position: DVec3::new(0.12, y, 0.0),
+        ..Frame::IDENTITY
+    }
+}
+
+fn at_x(x: f64) -> Frame {
+    Frame {
+        position: DVec3::X * x,
+        ..Frame::IDENTITY
+    }
+}
