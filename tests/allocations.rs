@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use supple::Result;
 use supple::internal::math::in_pool;
+use supple::model::{Avatar, Frame};
 use supple::potential::CpuPotential;
 use supple::sim::{Simulation, StepReport};
 use supple_bake::bake;
@@ -76,5 +77,22 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
     assert!(slid && !report.instances[0].loads.is_empty());
     assert!(requests[0] > 0, "the allocator does not count");
     assert_eq!(requests[WARM_UP..], [0; STEPS - WARM_UP], "{requests:?}");
+    following_a_host_allocates_nothing(&avatar, &simulation.instances()[0].state.frames)
+}
+
+/// From frames to a host's matrices and back, by world and by skinning matrices, in vectors that have room.
+fn following_a_host_allocates_nothing(avatar: &Avatar, posed: &[Frame]) -> Result<()> {
+    let (list, skeleton) = (&avatar.joints, &avatar.skeleton);
+    let (mut world, mut skinning, mut frames) = (Vec::new(), Vec::new(), Vec::new());
+    let mut requests = [0; 2];
+    for count in &mut requests {
+        let before = REQUESTS.load(Ordering::Relaxed);
+        list.joint_matrices(posed, &mut world)?;
+        list.skinning_matrices(0, posed, &mut skinning)?;
+        list.frames_from_skinning(skeleton, 0, &skinning, &mut frames)?;
+        list.frames_from_world(skeleton, &world, &mut frames)?;
+        *count = REQUESTS.load(Ordering::Relaxed) - before;
+    }
+    assert!(requests[0] > 0 && requests[1] == 0, "{requests:?}");
     Ok(())
 }

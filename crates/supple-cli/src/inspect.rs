@@ -5,7 +5,7 @@ use super::preview::Preview;
 use super::terminal::{print, print_json, print_table};
 use serde::Serialize;
 use std::path::PathBuf;
-use supple::model::Avatar;
+use supple::model::{Avatar, Joint, JointBone, UpAxis};
 use supple::{Error, Result};
 use supple_bake::{BakeReport, Baked, read_baked};
 use supple_files::FileKind;
@@ -25,6 +25,12 @@ pub struct Arguments {
 struct Contents {
     name: String,
     bones: usize,
+    /// The axis that points up in the reference shape.
+    up: UpAxis,
+    /// In the order in which a host gives their matrices.
+    joints: Vec<ContentsJoint>,
+    /// Number of joints of each of the file's skins; 0 where the scene does not show it.
+    joints_of_skins: Vec<usize>,
     dofs: usize,
     handles: usize,
     cubature_points: usize,
@@ -50,11 +56,38 @@ struct Contents {
     bake: Option<BakeReport>,
 }
 
+/// A node of the character's file, as a host knows it.
+#[derive(Serialize)]
+struct ContentsJoint {
+    name: String,
+    /// The bone that it is or rides on.
+    bone: String,
+    rides: bool,
+}
+
+impl ContentsJoint {
+    fn of(avatar: &Avatar, joint: &Joint) -> Self {
+        let bone = avatar.skeleton.names.get(joint.bone.bone());
+        Self {
+            name: joint.name.clone(),
+            bone: bone.cloned().unwrap_or_default(),
+            rides: matches!(joint.bone, JointBone::RidesOn(_)),
+        }
+    }
+}
+
 impl Contents {
     fn new(avatar: &Avatar, bake: Option<BakeReport>) -> Self {
         Self {
             name: avatar.name.clone(),
             bones: avatar.skeleton.len(),
+            up: avatar.up,
+            joints: (avatar.joints.joints().iter())
+                .map(|joint| ContentsJoint::of(avatar, joint))
+                .collect(),
+            joints_of_skins: (avatar.joints.skins().iter())
+                .map(|skin| skin.joints.len())
+                .collect(),
             dofs: avatar.space().dofs(),
             handles: avatar.handles.len(),
             cubature_points: avatar.cubature.len(),
@@ -136,7 +169,20 @@ impl Contents {
                 "stiffness",
                 format!("× {:.2} to {:.2}", self.stiffness[0], self.stiffness[1]),
             ),
+            ("up", format!("{:?}", self.up).to_lowercase()),
+            (
+                "joints of the file's skins",
+                format!("{:?}", self.joints_of_skins),
+            ),
         ]);
+        print("joints, in the order of a host's matrices:");
+        for (j, joint) in self.joints.iter().enumerate() {
+            let what = if joint.rides { "rides on" } else { "is" };
+            print(format_args!(
+                "{j:>4}  {:<24} {what} {}",
+                joint.name, joint.bone
+            ));
+        }
     }
 }
 

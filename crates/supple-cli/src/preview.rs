@@ -5,6 +5,7 @@ use super::terminal::print_table;
 use serde::Serialize;
 use std::path::Path;
 use supple::Result;
+use supple::model::UpAxis;
 use supple_bake::mesh::SkinReport;
 use supple_files::{
     CharacterFile, CharacterFormat, CharacterOptions, read_character, read_gltf_motions,
@@ -18,6 +19,8 @@ pub struct Preview {
     /// Size of the box around the skin, m.
     extent: [f64; 3],
     bones: Vec<String>,
+    /// The axis that points up in the file.
+    up: UpAxis,
     /// Further names of bones: VRM's humanoid ones.
     aliases: Vec<String>,
     skin: SkinReport,
@@ -68,6 +71,7 @@ impl Preview {
         let (low, high) = body.skin.bounds();
         Ok(Self {
             format,
+            up: body.up,
             closed: body.skin.is_closed(),
             skin_volume: body.skin.volume(),
             name: body.name,
@@ -112,6 +116,7 @@ impl Preview {
             ("name", self.name.clone()),
             ("format", format!("{:?}", self.format)),
             ("size", format!("{x:.3} × {y:.3} × {z:.3} m")),
+            ("up", format!("{:?}", self.up).to_lowercase()),
             ("bones", list(&self.bones)),
             ("skin", self.skin.to_string()),
             (

@@ -4,8 +4,9 @@ use super::{TINY, baked, recipe};
 use std::path::Path;
 use supple::Error;
 use supple::file::{AvatarFile, Parts, Section, read_avatar, write_avatar};
+use supple::glam::{DAffine3, DVec3};
 use supple::internal::math::Random;
-use supple::model::Avatar;
+use supple::model::{Avatar, Joint, JointBone, JointList, SkinJoints, UpAxis};
 use supple_bake::{
     BakeCost, BakeReport, HandlePlace, bake, baked_file, from_bytes, full_space, read_baked,
     to_bytes, write_baked,
@@ -166,4 +167,47 @@ fn a_section_that_is_not_known_is_passed_over_and_one_that_is_missing_is_named()
     hasher.update(&bytes[16..]);
     bytes[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
     assert!(problem(&bytes).contains("section skin: is not there"));
+}
+
+#[test]
+fn joints_and_up_come_back_and_have_defaults() {
+    let (mut avatar, _) = tiny();
+    let path = Path::new("limb.supple");
+    let tags = |bytes: &[u8], tag: &[u8; 4]| bytes.windows(4).any(|w| w == tag);
+    // What is its default is not written, and comes back.
+    avatar.up = UpAxis::Y;
+    assert_eq!(avatar.joints, JointList::of_bones(&avatar.skeleton));
+    let bytes = AvatarFile::new(avatar.clone())
+        .to_bytes(Parts::All)
+        .unwrap();
+    assert!(!tags(&bytes, b"join") && !tags(&bytes, b"upax"));
+    assert_eq!(AvatarFile::from_bytes(&bytes, path).unwrap().avatar, avatar);
+    let joint = |name: &str, bone, scale: f64| Joint {
+        name: name.into(),
+        bone,
+        bind: DAffine3::from_scale(DVec3::splat(scale)),
+    };
+    let joints = vec![
+        joint("hat", JointBone::RidesOn(0), 3.0),
+        joint("limb", JointBone::Is(0), 0.01),
+    ];
+    let skin = SkinJoints {
+        joints: vec![1, 0],
+        inverse_binds: vec![DAffine3::from_translation(DVec3::X); 2],
+    };
+    avatar.joints = JointList::new(1, joints, vec![SkinJoints::default(), skin]).unwrap();
+    avatar.up = UpAxis::Z;
+    for parts in [Parts::Step, Parts::All] {
+        let bytes = AvatarFile::new(avatar.clone()).to_bytes(parts).unwrap();
+        assert!(tags(&bytes, b"join") && tags(&bytes, b"upax"));
+        let back = AvatarFile::from_bytes(&bytes, path).unwrap().avatar;
+        assert_eq!((back.joints, back.up), (avatar.joints.clone(), UpAxis::Z));
+    }
+    // A list of other bones than the avatar's.
+    avatar.joints = JointList::new(2, Vec::new(), Vec::new()).unwrap();
+    let error = AvatarFile::new(avatar).to_bytes(Parts::All).unwrap_err();
+    assert!(
+        error.to_string().contains("of 2 bones; the avatar has 1"),
+        "{error}"
+    );
 }

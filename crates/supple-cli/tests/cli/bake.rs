@@ -21,12 +21,20 @@ fn bakes_are_the_same_and_can_be_inspected() {
     assert_eq!(report["handles"]["count"], 12);
     let read = |name: &str| std::fs::read(path.join(name)).unwrap();
     assert_eq!(read("a.supple"), read("b.supple"));
-    assert!(good(path, &["inspect", "a.supple"]).contains("limb"));
+    let table = good(path, &["inspect", "a.supple"]);
+    assert!(
+        table.contains("limb") && table.contains("is bone"),
+        "{table}"
+    );
     let json = good(path, &["inspect", "a.supple", "--json"]);
     let contents: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(
         (&contents["bones"], &contents["handles"]),
         (&1.into(), &12.into())
+    );
+    assert_eq!(
+        (&contents["up"], &contents["joints"][0]["rides"]),
+        (&"z".into(), &false.into())
     );
 }
 

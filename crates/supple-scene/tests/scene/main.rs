@@ -4,5 +4,6 @@ mod assets;
 mod documented_keys;
 mod motion;
 mod scenes;
+mod standing;
 #[path = "../../../../tests/engine/support.rs"]
 mod support;
