@@ -8,7 +8,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, State};
-use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, Trial};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, TissueFactors, Trial};
 
 const BONES: usize = 16;
 const HANDLES: usize = 87;
@@ -59,6 +59,8 @@ fn bench(criterion: &mut Criterion) {
             tissue_gravity: DVec3::ZERO,
             slip_speed: 1e-3,
             geometric_contact: false,
+            factors: TissueFactors::default(),
+            prescribed: &[],
         };
         let states: [State; 1] = [state];
         let mut out = [Evaluation::default()];

@@ -52,7 +52,9 @@ impl<P: Potential> Simulation<P> {
             .collect();
         let starts: Vec<_> = resting
             .iter()
-            .map(|instance| tissue_start(&self.settings, self.captured_under_gravity, instance))
+            .map(|instance| {
+                tissue_start(&self.settings, self.captured_under_gravity, instance, &[])
+            })
             .collect();
         let states: Vec<_> = self.instances.iter().map(|i| i.state.clone()).collect();
         let all = vec![true; states.len()];

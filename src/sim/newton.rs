@@ -83,7 +83,7 @@ impl Newton {
             if iteration > 1 {
                 self.evaluate(potential, timings).await?;
             }
-            self.solve(potential, solver, timings)?;
+            self.solve(solver, timings)?;
             self.show(observer);
             self.take_short_steps(short, when_short);
             self.search_line(potential, timings).await?;
@@ -136,17 +136,11 @@ impl Newton {
     }
 
     /// Solves for the Newton step of every running instance.
-    fn solve<P: Potential>(
-        &mut self,
-        potential: &P,
-        solver: &mut dyn LinearSolver,
-        timings: &mut Timings,
-    ) -> Result<()> {
+    fn solve(&mut self, solver: &mut dyn LinearSolver, timings: &mut Timings) -> Result<()> {
         let watch = Stopwatch::start();
         for i in (0..self.running.len()).filter(|&i| self.running[i]) {
             self.minimisations[i].solve(
                 solver,
-                potential.pattern(),
                 &mut self.iterates.evaluations[i],
                 self.iterates.skeleton_energies[i],
             )?;

@@ -12,7 +12,7 @@ use super::settings::Settings;
 use super::step_start::{skeleton_start, tissue_start};
 use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
-use crate::potential::{Potential, StepStart};
+use crate::potential::{Potential, StepEnd, StepStart};
 use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -28,6 +28,9 @@ pub struct Simulation<P: Potential> {
     newton: Newton,
     /// Memory of the starts of a step.
     starts: Vec<StepStart<'static>>,
+    /// Whose ends are asked for, and what is said of them.
+    end_wanted: Vec<bool>,
+    ends: Vec<StepEnd>,
 }
 
 impl<P: Potential> Simulation<P> {
@@ -77,8 +80,10 @@ impl<P: Potential> Simulation<P> {
             settings,
             skeleton,
             captured_under_gravity: avatar.captured_under_gravity,
-            instances,
             starts: Vec::new(),
+            end_wanted: vec![false; instances.len()],
+            ends: vec![StepEnd::default(); instances.len()],
+            instances,
         })
     }
 
@@ -181,6 +186,7 @@ impl<P: Potential> Simulation<P> {
                 return Err(Error::NotFinite { quantity: "state" });
             }
         }
+        self.end_step(&mut timings).await?;
         let skin = Stopwatch::start();
         self.potential
             .pose_skin(&self.newton.iterates.states)
@@ -242,7 +248,9 @@ impl<P: Potential> Simulation<P> {
             fall_back(skeleton, instance, &mut self.newton.fallbacks.states[i]);
             predict(skeleton, instance, &mut self.newton.iterates.states[i]);
             minimisation.fixed.fill(false);
+            minimisation.prescribed.fill(false);
             for pin in &instance.pins {
+                minimisation.prescribed[pin.bone] = true;
                 minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
             }
         }
@@ -250,12 +258,39 @@ impl<P: Potential> Simulation<P> {
         let watch = Stopwatch::start();
         let mut starts: Vec<StepStart<'_>> = recycled(std::mem::take(&mut self.starts));
         let (settings, captured) = (&self.settings, self.captured_under_gravity);
-        let start = |instance| tissue_start(settings, captured, instance);
-        starts.extend(self.instances.iter().map(start));
+        let pairs = self.instances.iter().zip(&self.newton.minimisations);
+        starts.extend(pairs.map(|(instance, minimisation)| {
+            tissue_start(settings, captured, instance, &minimisation.prescribed)
+        }));
         self.potential
             .begin_step(&starts, &self.newton.active)
             .await?;
         self.starts = recycled(starts);
+        timings.evaluation += watch.ms();
+        Ok(())
+    }
+
+    /// Reports on the states that the step ends with, where bones are prescribed.
+    async fn end_step(&mut self, timings: &mut Timings) -> Result<()> {
+        let watch = Stopwatch::start();
+        for (wanted, (instance, active)) in
+            (self.end_wanted.iter_mut()).zip(self.instances.iter().zip(&self.newton.active))
+        {
+            *wanted = *active && !instance.pins.is_empty();
+        }
+        let states = &self.newton.iterates.states;
+        (self
+            .potential
+            .end_step(states, &self.end_wanted, &mut self.ends))
+        .await?;
+        for (i, end) in self
+            .ends
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| self.end_wanted[*i])
+        {
+            self.newton.minimisations[i].end(&states[i].frames, end);
+        }
         timings.evaluation += watch.ms();
         Ok(())
     }
@@ -272,7 +307,8 @@ impl<P: Potential> Simulation<P> {
             let frames = &instance.state.frames;
             let minimisation = &mut newton.minimisations[i];
             minimisation.report.max_joint_gap = joint_gap(self.skeleton.skeleton(), frames);
-            minimisation.report.weight = self.skeleton.total_mass() * instance.gravity;
+            let mass = self.skeleton.weighed_mass(instance.factors.gravity);
+            minimisation.report.weight = mass * instance.gravity;
             let tracking = minimisation.skeleton.tracking().iter().map(|term| {
                 let (force, torque) = term.load(frames);
                 let bone = term.bone();
@@ -282,7 +318,8 @@ impl<P: Potential> Simulation<P> {
                     torque,
                 }
             });
-            let block = |b: usize| DVec3::from_slice(&minimisation.reaction[3 * b..3 * b + 3]);
+            let gradient = &minimisation.frame_gradient;
+            let block = |b: usize| DVec3::from_slice(&gradient[3 * b..3 * b + 3]);
             let pins = instance.pins.iter().map(|pin| Load {
                 bone: pin.bone,
                 force: block(2 * pin.bone),

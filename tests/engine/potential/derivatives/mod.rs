@@ -3,6 +3,7 @@
 
 mod basis;
 mod case;
+mod factors;
 mod terms;
 
 use pollster::block_on;

@@ -7,7 +7,9 @@ use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::math::Random;
 use supple::internal::random_state;
 use supple::model::{Avatar, Frame, State};
-use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, StepStart, Trial};
+use supple::potential::{
+    Evaluation, GpuOptions, GpuPotential, Potential, StepStart, TissueFactors, Trial,
+};
 
 pub fn device() -> GpuDevice {
     pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
@@ -69,6 +71,8 @@ pub fn start(case: &Case) -> StepStart<'_> {
         tissue_gravity: DVec3::new(0.0, 0.0, -9.81),
         slip_speed: 1e-3,
         geometric_contact: true,
+        factors: TissueFactors::default(),
+        prescribed: &[],
     }
 }
 

@@ -41,7 +41,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
     let base_moved = scene.moved(phase, base);
     let start = scene.moved(phase, INSTANCE);
     let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", INSTANCE, set.len());
-    let rate = scene.avatar.damping_time / TIME_STEP;
+    let rate = scene.damping_rate();
 
     let (mut want, mut magnitude) = ([0.0; 6], [0.0; 6]);
     let mut add = |term: usize, value: f64, size: f64| {
@@ -73,7 +73,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         let h = displacement_gradient(basis, &phi);
         let d = displacement_gradient(basis, &change);
         let (abs_h, abs_d) = (abs_gradient(basis, &phi), abs_gradient(basis, &change));
-        let tissue = scene.avatar.tissue_at(i);
+        let tissue = scene.tissue_at(i);
         let magnitudes = Magnitudes::new(tissue, h, abs_h);
         roundings = roundings.max(magnitudes.energy_roundings(basis.len()));
         add(

@@ -114,13 +114,13 @@ impl<'a> Magnitudes<'a> {
         h + h.transpose() + DMat3::from_diagonal(DVec3::splat(abs_trace(h))) + abs_cofactor(h)
     }
 
-    /// P. A polynomial in H of degree 5, H a sum of `handles` products: at most n_h + 3 roundings in each of five factors
-    /// and twenty between them. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
+    /// P. A polynomial in H of degree 5, H a sum of `handles` products: at most n_h + 3 roundings in each of five factors,
+    /// twenty between them, and two of the stiffness and its factor. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
     /// out of axes that are rounded themselves: sixty more with the exponential's own, 3 + 2 Q_max.
     pub fn stress(&self, handles: usize) -> (DMat3, usize) {
         let f = DMat3::IDENTITY + self.h;
         let mut out = self.mu * self.shear() + self.kappa * self.volume() * abs_cofactor(f);
-        let mut roundings = 5 * (handles + 3) + 21;
+        let mut roundings = 5 * (handles + 3) + 22;
         if let Some(fibres) = &self.fibres {
             let s = by_entries(fibres.weights(), fibres.strain);
             out += f * (fibres.axes * s * fibres.axes.transpose());
@@ -136,7 +136,7 @@ impl<'a> Magnitudes<'a> {
         let f = DMat3::IDENTITY + self.h;
         let pressure = self.kappa * self.volume() + self.mu;
         let mut out = self.mu + self.kappa * size(abs_cofactor(f)).powi(2) + pressure * size(f);
-        let mut roundings = 4 * (handles + 3) + 21 + 4 * 15 * 6;
+        let mut roundings = 4 * (handles + 3) + 22 + 4 * 15 * 6;
         if let Some(fibres) = &self.fibres {
             let stress = by_entries(fibres.weights(), fibres.strain);
             let t = f * fibres.axes * by_entries(fibres.rates, fibres.strain);
@@ -193,6 +193,6 @@ impl<'a> Magnitudes<'a> {
 
     /// Roundings of an energy: degree ≤ 6, and what the fibres add.
     pub fn energy_roundings(&self, handles: usize) -> usize {
-        5 * (handles + 3) + 26 + if self.fibres.is_some() { 60 } else { 0 }
+        5 * (handles + 3) + 27 + if self.fibres.is_some() { 60 } else { 0 }
     }
 }

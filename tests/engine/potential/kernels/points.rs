@@ -3,7 +3,7 @@
 use super::INSTANCE;
 use super::bound::{Comparison, Outcome, abs, abs_cross};
 use super::material::Magnitudes;
-use super::scene::{Phase, Scene, TIME_STEP, mat, vec};
+use super::scene::{Phase, Scene, mat, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::displacement::{FrameMotion, position, unposed_displacement};
 use supple::internal::cpu::elasticity::{Damping, displacement_gradient, stress, tangent};
@@ -153,14 +153,14 @@ pub fn elasticity(scene: &Scene) -> Outcome {
         let stresses: Vec<shared::Mat3> = scene.items(phase, "stress", slot, set.len());
         let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", slot, set.len());
         for i in 0..set.len() {
-            let (basis, tissue) = (set.basis.row(i), scene.avatar.tissue_at(i));
+            let (basis, tissue) = (set.basis.row(i), scene.tissue_at(i));
             let h = displacement_gradient(basis, &phi);
             let change = displacement_gradient(basis, &increment);
             let (_, abs_basis) = abs_rows(&[], basis);
             let abs_h = displacement_gradient(&abs_basis, &abs_all(&phi));
             let abs_change = displacement_gradient(&abs_basis, &abs_all(&increment));
             let start = mat9(&starts[i]);
-            let rate = scene.avatar.damping_time / TIME_STEP;
+            let rate = scene.damping_rate();
             let damping = (slot != INSTANCE).then_some(Damping {
                 rate,
                 tangent: &start,
