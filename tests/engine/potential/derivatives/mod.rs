@@ -4,6 +4,7 @@
 mod basis;
 mod case;
 mod factors;
+mod prescribed;
 mod terms;
 
 use pollster::block_on;

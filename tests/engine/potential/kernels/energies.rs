@@ -1,6 +1,6 @@
 //! The energy kernel: from the step's start, as an evaluation has it, and from any base, as a trial has it.
 
-use super::bound::{Comparison, Outcome, abs};
+use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs};
 use super::contact::distances;
 use super::friction::{slid, smoothing};
 use super::material::Magnitudes;
@@ -23,6 +23,9 @@ fn abs_gradient(basis: &[BasisEntry], handles: &[DVec3]) -> DMat3 {
         })
         .sum()
 }
+
+/// μ λ f₀′/y u_T: a tangential part, a length, a polynomial of a quotient over another, and two products.
+const SLOPE: usize = 5 + LENGTH + 3 + 2 * QUOTIENT + 2;
 
 /// Each term is a polynomial of the state of degree ≤ 6 (the roundings of [`Magnitudes`] cover the others, generously),
 /// then summed in trees: six levels over a workgroup, its partial sums over 64 threads, six levels again.
@@ -138,6 +141,6 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
             return Err(format!("energy {k} of the twin is zero"));
         }
     }
-    out.vector(vec(got.force), force, abs_force, 3 + 5 + 13);
+    out.vector(vec(got.force), force, abs_force, SLOPE + 13);
     out.finish("energies")
 }
