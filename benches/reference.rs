@@ -8,7 +8,9 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, State};
-use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, Trial};
+use supple::potential::{
+    CpuPotential, Evaluation, Potential, StepEnd, StepStart, TissueFactors, Trial,
+};
 
 const BONES: usize = 16;
 const HANDLES: usize = 87;
@@ -59,6 +61,8 @@ fn bench(criterion: &mut Criterion) {
             tissue_gravity: DVec3::ZERO,
             slip_speed: 1e-3,
             geometric_contact: false,
+            factors: TissueFactors::default(),
+            prescribed: &[],
         };
         let states: [State; 1] = [state];
         let mut out = [Evaluation::default()];
@@ -72,6 +76,12 @@ fn bench(criterion: &mut Criterion) {
             });
         });
         let contacts = out[0].contacts;
+        let mut ends = [StepEnd::default()];
+        group.bench_function("end_step", |b| {
+            b.iter(|| {
+                pollster::block_on(potential.end_step(black_box(&states), &[true], &mut ends))
+            });
+        });
         group.bench_function("pose_skin", |b| {
             b.iter(|| pollster::block_on(potential.pose_skin(black_box(&states))));
         });
@@ -95,6 +105,17 @@ fn bench(criterion: &mut Criterion) {
                 pollster::block_on(
                     potential.energy_differences(black_box(&[trial]), &mut differences),
                 )
+            });
+        });
+        let prescribed = [true; BONES];
+        let held = StepStart {
+            prescribed: &prescribed,
+            ..start
+        };
+        pollster::block_on(potential.begin_step(&[held], &[true])).expect("a valid start");
+        group.bench_function("evaluate with all bones prescribed", |b| {
+            b.iter(|| {
+                pollster::block_on(potential.evaluate(black_box(&states), &[true], &mut out))
             });
         });
         let free = StepStart {

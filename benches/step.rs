@@ -7,7 +7,7 @@ use std::sync::Arc;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
 use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
-use supple::sim::Simulation;
+use supple::sim::{Pin, Simulation};
 use supple_bake::{bake, full_space_simulation};
 use supple_scene::{Driver, Scene, read_scene};
 
@@ -15,7 +15,8 @@ fn scene(name: &str) -> Scene {
     read_scene(format!("assets/scenes/{name}.toml")).expect("a committed scene")
 }
 
-/// Runs `scene` in `hurry` times fewer steps until full press, then times steps there.
+/// Runs `scene` in `hurry` times fewer steps until full press, then times steps there, in the end with all bones pinned
+/// where they are.
 fn pressed(
     criterion: &mut Criterion,
     name: &str,
@@ -34,6 +35,12 @@ fn pressed(
     }
     assert!(contacts > 0, "it must be in contact");
     let name = format!("{name}, {} contacts", contacts);
+    criterion.bench_function(&name, |b| b.iter(|| simulation.step_blocking()));
+    let instance = &mut simulation.instances_mut()[0];
+    instance.targets.clear();
+    let frames = instance.state.frames.iter().copied().enumerate();
+    instance.pins = frames.map(|(bone, frame)| Pin { bone, frame }).collect();
+    let name = format!("{name}, all bones pinned");
     criterion.bench_function(&name, |b| b.iter(|| simulation.step_blocking()));
     Ok(())
 }

@@ -8,7 +8,9 @@ use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, State};
-use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, StepStart};
+use supple::potential::{
+    Evaluation, GpuOptions, GpuPotential, Potential, StepStart, TissueFactors,
+};
 
 const STEPS: usize = 200;
 
@@ -47,6 +49,8 @@ fn main() -> supple::Result<()> {
             tissue_gravity: DVec3::ZERO,
             slip_speed: 1e-3,
             geometric_contact: false,
+            factors: TissueFactors::default(),
+            prescribed: &[],
         };
         pollster::block_on(async {
             potential.begin_step(&[start], &[true]).await?;

@@ -1,5 +1,5 @@
 // F = I + H, H = Σ_h φ_h ∇U_hᵀ; P(F); C = ∂P/∂F projected to positive semi-definite (method §4).
-// Both times the point's stiffness. With damping, lagged at the step's start: P += (β/h) Cⁿ : ΔF, C += (β/h) Cⁿ.
+// Both times the point's stiffness and the state's factor on it. With damping, lagged at the step's start: P += (β/h) Cⁿ : ΔF, C += (β/h) Cⁿ.
 // One thread a cubature point.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -32,8 +32,9 @@ fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     let local = tissue[i];
-    var p = local.stiffness * pk1_stress(h, local.axes);
-    var c = scaled(projected_tangent(h, local.axes), local.stiffness);
+    let stiffness = state.stiffness * local.stiffness;
+    var p = stiffness * pk1_stress(h, local.axes);
+    var c = scaled(projected_tangent(h, local.axes), stiffness);
     if (state.damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
         p += state.damping_rate * contract(start, increment);

@@ -41,26 +41,34 @@ struct Summary {
 @group(0) @binding(16) var<storage, read> frames: array<Frame>;
 @group(0) @binding(17) var<uniform> material: MaterialParameters;
 
-fn sum_of(a: PartialEnergy, b: PartialEnergy) -> PartialEnergy {
-    return PartialEnergy(
-        a.inertia + b.inertia, a.gravity + b.gravity, a.elastic + b.elastic, a.damping + b.damping,
-        a.force + b.force, a.contact + b.contact, a.friction + b.friction, a.left_out + b.left_out,
+// As three vectors, which are summed at once and compiled faster than ten numbers.
+fn packed(e: PartialEnergy) -> mat3x4<f32> {
+    return mat3x4<f32>(
+        vec4(e.inertia, e.gravity, e.elastic, e.damping),
+        vec4(e.force, e.contact),
+        vec4(e.friction, e.left_out, 0.0, 0.0),
     );
 }
 
-var<workgroup> threads: array<PartialEnergy, 64>;
+fn unpacked(e: mat3x4<f32>) -> PartialEnergy {
+    return PartialEnergy(
+        e[0].x, e[0].y, e[0].z, e[0].w, e[1].xyz, e[1].w, e[2].x, e[2].y,
+    );
+}
+
+var<workgroup> threads: array<mat3x4<f32>, 64>;
 
 // The sum over a workgroup in a fixed tree, in thread 0.
-fn tree_sum(thread: u32, mine: PartialEnergy) -> PartialEnergy {
+fn tree_sum(thread: u32, mine: mat3x4<f32>) -> PartialEnergy {
     threads[thread] = mine;
     workgroupBarrier();
     for (var width = 32u; width > 0u; width /= 2u) {
         if (thread < width) {
-            threads[thread] = sum_of(threads[thread], threads[thread + width]);
+            threads[thread] += threads[thread + width];
         }
         workgroupBarrier();
     }
-    return threads[0];
+    return unpacked(threads[0]);
 }
 
 fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
@@ -89,7 +97,8 @@ fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
     out.inertia = 0.5 * mass * state.mass_rate * dot(delta, delta + 2.0 * e);
     out.gravity = -mass * dot(state.gravity, delta);
     let local = tissue[i];
-    out.elastic = point.measure * local.stiffness * energy_difference(h, increment, local.axes);
+    out.elastic = point.measure * (state.stiffness * local.stiffness)
+        * energy_difference(h, increment, local.axes);
     if (state.damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
         out.damping = 0.5 * point.measure * state.damping_rate
@@ -109,7 +118,7 @@ fn point_energy(
     if (i < constants.points) {
         mine = energy_of_point(i, batch[chunk.first + group.y]);
     }
-    let sum = tree_sum(thread, mine);
+    let sum = tree_sum(thread, packed(mine));
     if (thread == 0u) {
         let stride = constants.point_groups + constants.vertex_groups;
         partial_energies[(chunk.first + group.y) * stride + group.x] = sum;
@@ -167,7 +176,7 @@ fn contact_energy(
     for (var k = i; k < lagged_contacts; k += 64u * constants.vertex_groups) {
         add_friction(k, state, &mine);
     }
-    let sum = tree_sum(thread, mine);
+    let sum = tree_sum(thread, packed(mine));
     if (thread == 0u) {
         let stride = constants.point_groups + constants.vertex_groups;
         partial_energies[(chunk.first + group.y) * stride + constants.point_groups + group.x] = sum;
@@ -182,9 +191,9 @@ fn energy(
 ) {
     let stride = constants.point_groups + constants.vertex_groups;
     let first = (chunk.first + group.y) * stride;
-    var mine = PartialEnergy();
+    var mine = mat3x4<f32>();
     for (var k = thread; k < stride; k += 64u) {
-        mine = sum_of(mine, partial_energies[first + k]);
+        mine += packed(partial_energies[first + k]);
     }
     let sum = tree_sum(thread, mine);
     let header = lagged_header(batch[chunk.first + group.y].instance);

@@ -37,6 +37,7 @@ struct BatchState {
     base: u32,            // slot of the state that the energy is measured from
     colliders: u32,
     smoothing: f32,       // ε = ε_v h, m
+    stiffness: f32,       // factor on the tissue's
 }
 
 // The increments of a start lead from qⁿ⁻¹ to qⁿ: seen from qⁿ itself they are zero.

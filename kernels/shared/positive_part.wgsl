@@ -1,15 +1,13 @@
 // A tangent less its negative eigenvalues: its nearest positive semi-definite matrix.
 
-// The 9×9 matrix and its eigenvectors as columns, row by row.
-struct Matrix9 {
-    rows: array<array<f32, 9>, 9>,
-}
+// A 9×9 matrix, row by row. Flat: FXC, wgpu's compiler on some of Windows, makes nothing of arrays of arrays.
+alias Matrix9 = array<f32, 81>;
 
 fn set_block(m: ptr<function, Matrix9>, i: u32, j: u32, block: mat3x3<f32>) {
     for (var column = 0u; column < 3u; column++) {
         for (var row = 0u; row < 3u; row++) {
-            (*m).rows[3u * i + row][3u * j + column] = block[column][row];
-            (*m).rows[3u * j + column][3u * i + row] = block[column][row];
+            (*m)[9u * (3u * i + row) + 3u * j + column] = block[column][row];
+            (*m)[9u * (3u * j + column) + 3u * i + row] = block[column][row];
         }
     }
 }
@@ -29,20 +27,20 @@ fn full_matrix(c: Tangent) -> Matrix9 {
 fn is_positive_definite(m: Matrix9) -> bool {
     var l = m;
     for (var j = 0u; j < 9u; j++) {
-        var pivot = l.rows[j][j];
+        var pivot = l[9u * j + j];
         for (var k = 0u; k < j; k++) {
-            pivot -= l.rows[j][k] * l.rows[j][k];
+            pivot -= l[9u * j + k] * l[9u * j + k];
         }
         if (!(pivot > 0.0)) {
             return false;
         }
-        l.rows[j][j] = sqrt(pivot);
+        l[9u * j + j] = sqrt(pivot);
         for (var i = j + 1u; i < 9u; i++) {
-            var rest = l.rows[i][j];
+            var rest = l[9u * i + j];
             for (var k = 0u; k < j; k++) {
-                rest -= l.rows[i][k] * l.rows[j][k];
+                rest -= l[9u * i + k] * l[9u * j + k];
             }
-            l.rows[i][j] = rest / l.rows[j][j];
+            l[9u * i + j] = rest / l[9u * j + j];
         }
     }
     return true;
@@ -50,25 +48,25 @@ fn is_positive_definite(m: Matrix9) -> bool {
 
 // One Jacobi rotation: zeroes a_pq, and turns columns p and q of the eigenvectors.
 fn rotate(a: ptr<function, Matrix9>, v: ptr<function, Matrix9>, p: u32, q: u32) {
-    let r = jacobi_rotation((*a).rows[p][p], (*a).rows[q][q], (*a).rows[p][q]);
+    let r = jacobi_rotation((*a)[9u * p + p], (*a)[9u * q + q], (*a)[9u * p + q]);
     for (var k = 0u; k < 9u; k++) {
-        let kp = (*a).rows[k][p];
-        let kq = (*a).rows[k][q];
-        (*a).rows[k][p] = r.y * kp - r.z * kq;
-        (*a).rows[k][q] = r.z * kp + r.y * kq;
-        let vp = (*v).rows[k][p];
-        let vq = (*v).rows[k][q];
-        (*v).rows[k][p] = r.y * vp - r.z * vq;
-        (*v).rows[k][q] = r.z * vp + r.y * vq;
+        let kp = (*a)[9u * k + p];
+        let kq = (*a)[9u * k + q];
+        (*a)[9u * k + p] = r.y * kp - r.z * kq;
+        (*a)[9u * k + q] = r.z * kp + r.y * kq;
+        let vp = (*v)[9u * k + p];
+        let vq = (*v)[9u * k + q];
+        (*v)[9u * k + p] = r.y * vp - r.z * vq;
+        (*v)[9u * k + q] = r.z * vp + r.y * vq;
     }
     for (var k = 0u; k < 9u; k++) {
-        let pk = (*a).rows[p][k];
-        let qk = (*a).rows[q][k];
-        (*a).rows[p][k] = r.y * pk - r.z * qk;
-        (*a).rows[q][k] = r.z * pk + r.y * qk;
+        let pk = (*a)[9u * p + k];
+        let qk = (*a)[9u * q + k];
+        (*a)[9u * p + k] = r.y * pk - r.z * qk;
+        (*a)[9u * q + k] = r.z * pk + r.y * qk;
     }
-    (*a).rows[p][q] = 0.0;
-    (*a).rows[q][p] = 0.0;
+    (*a)[9u * p + q] = 0.0;
+    (*a)[9u * q + p] = 0.0;
 }
 
 // C⁺ = C − Σ min(λ, 0) V ⊗ V. Seven cyclic sweeps (Golub and Van Loan, §8.5) reach f32 rounding.
@@ -79,7 +77,7 @@ fn positive_part(c: Tangent) -> Tangent {
     }
     var v: Matrix9;
     for (var i = 0u; i < 9u; i++) {
-        v.rows[i][i] = 1.0;
+        v[9u * i + i] = 1.0;
     }
     for (var sweep = 0; sweep < 7; sweep++) {
         for (var q = 1u; q < 9u; q++) {
@@ -90,12 +88,12 @@ fn positive_part(c: Tangent) -> Tangent {
     }
     var out = c;
     for (var k = 0u; k < 9u; k++) {
-        let value = a.rows[k][k];
+        let value = a[9u * k + k];
         if (value < 0.0) {
             let mode = mat3x3<f32>(
-                v.rows[0][k], v.rows[1][k], v.rows[2][k],
-                v.rows[3][k], v.rows[4][k], v.rows[5][k],
-                v.rows[6][k], v.rows[7][k], v.rows[8][k],
+                v[k], v[9u + k], v[18u + k],
+                v[27u + k], v[36u + k], v[45u + k],
+                v[54u + k], v[63u + k], v[72u + k],
             );
             out = add_mode(out, -value, mode);
         }

@@ -36,6 +36,11 @@ impl Module {
         })
     }
 
+    /// What the compiler's front made of it.
+    pub fn parsed(&self) -> &naga::Module {
+        &self.module
+    }
+
     /// Names of the entry points.
     pub fn entry_points(&self) -> impl Iterator<Item = &str> {
         self.module.entry_points.iter().map(|e| e.name.as_str())

@@ -78,6 +78,12 @@ impl Checks {
             if !start.tissue_gravity.is_finite() {
                 return Err(Error::invalid("tissue_gravity", "is not finite"));
             }
+            let prescribed = start.prescribed.len();
+            if prescribed != 0 && prescribed != self.space.frames {
+                let problem = format!("{prescribed} given for {} frames", self.space.frames);
+                return Err(Error::invalid("prescribed", problem));
+            }
+            start.factors.validate()?;
             start.validate_contact(&self.body_frames)?;
         }
         Ok(())

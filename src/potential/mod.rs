@@ -6,11 +6,13 @@
 
 pub(crate) mod checks;
 pub(crate) mod cpu;
+mod factors;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
 pub(crate) mod pattern;
 
 pub use cpu::CpuPotential;
+pub use factors::TissueFactors;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuOptions, GpuPotential};
 pub use pattern::BlockPattern;
@@ -42,9 +44,19 @@ pub struct StepStart<'a> {
     pub slip_speed: f64,
     /// Whether evaluations hold the geometric terms of contact as well.
     pub geometric_contact: bool,
+    /// On the tissue as the avatar has it.
+    pub factors: TissueFactors,
+    /// Which frames are where they are told to be, one for each frame; empty where none is. Blocks of the Hessian in
+    /// their rows and columns are zero; the gradient has its part by them all the same.
+    pub prescribed: &'a [bool],
 }
 
 impl StepStart<'_> {
+    /// Whether `frame` is prescribed.
+    pub fn is_prescribed(&self, frame: usize) -> bool {
+        self.prescribed.get(frame).is_some_and(|p| *p)
+    }
+
     /// Checks the colliders, who carries them, and ε_v.
     pub fn validate_contact(&self, body_frames: &[u32]) -> Result<()> {
         if !(self.slip_speed > 0.0 && self.slip_speed.is_finite()) {
@@ -106,6 +118,21 @@ pub struct Evaluation {
     /// Σ f · ∂²z/∂q² of the contacts in the same blocks, see [`crate::potential::cpu::geometric`]; empty where the step
     /// did not ask for it or [`Evaluation::hessian`] has it already.
     pub geometric: Vec<[f64; 9]>,
+    /// Sum of the contact and friction forces on the skin, N, in world axes.
+    pub contact_force: DVec3,
+    /// Active contacts.
+    pub contacts: usize,
+    /// Contacts for which the implementation has no room: the least deep at the step's start.
+    pub contacts_left_out: usize,
+}
+
+/// What the potential says of the state that a step ends with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepEnd {
+    /// E(q) − E(qⁿ), term by term.
+    pub energies: Energies,
+    /// ∂E/∂(c, ω) of every frame, six scalars each: the load that the tissue puts on it, with the sign turned.
+    pub frame_gradient: Vec<f64>,
     /// Sum of the contact and friction forces on the skin, N, in world axes.
     pub contact_force: DVec3,
     /// Active contacts.
@@ -183,6 +210,15 @@ pub trait Potential {
         states: &[State],
         active: &[bool],
         out: &mut [Evaluation],
+    ) -> impl Future<Output = Result<()>>;
+
+    /// Energies, contacts and the gradient by frames at `states`, those that the step ends with, of every `wanted`
+    /// instance; the others' `out` is left alone. No second derivative is made, nor what only handles need.
+    fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
     ) -> impl Future<Output = Result<()>>;
 
     /// E(state) − E(base) of each trial, summed from increments; `out` is as long as `trials`. Where it overflows it

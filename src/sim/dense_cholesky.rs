@@ -17,8 +17,11 @@ pub(super) const SINGLE_PRECISION_RESIDUAL: f64 = 1e-4;
 /// (Higham 2002, §12). Where that fails, in f64; where the matrix is indefinite, in f64 with the
 /// smallest of the shifts 1e-8 to 1 of the scaled diagonal that factors, which still
 /// gives a descent direction. One thread: threads made it slower at these sizes.
+///
+/// Only free DoFs are in the matrix, in their order; blocks in rows or columns of fixed ones are not read by it.
 pub struct DenseCholesky {
     pattern: BlockPattern,
+    free: FreeDofs,
     scaling: Vec<f64>,
     residual: Vec<f64>,
     correction: Vec<f64>,
@@ -33,6 +36,7 @@ impl DenseCholesky {
         let dofs = pattern.space().dofs();
         Self {
             pattern: pattern.clone(),
+            free: FreeDofs::new(dofs),
             scaling: vec![1.0; dofs],
             residual: vec![0.0; dofs],
             correction: vec![0.0; dofs],
@@ -50,13 +54,13 @@ impl DenseCholesky {
         step: &mut [f64],
     ) -> Option<SolveReport> {
         self.single
-            .factorise(&self.pattern, hessian, fixed, &self.scaling, 0.0)
+            .factorise(&self.pattern, hessian, &self.free, &self.scaling, 0.0)
             .ok()?;
-        self.single.solve(gradient, fixed, &self.scaling, step);
+        (self.single).solve(gradient, &self.free, &self.scaling, step);
         // One refinement: δ −= H⁻¹ (g + H δ).
         self.relative_residual(hessian, gradient, fixed, step);
-        self.single
-            .solve(&self.residual, fixed, &self.scaling, &mut self.correction);
+        let correction = &mut self.correction;
+        (self.single).solve(&self.residual, &self.free, &self.scaling, correction);
         for (s, c) in step.iter_mut().zip(&self.correction) {
             *s += c;
         }
@@ -90,6 +94,7 @@ impl LinearSolver for DenseCholesky {
         step: &mut [f64],
         shifts: &[f64],
     ) -> Result<SolveReport> {
+        self.free.set(fixed);
         diagonal_scaling(&self.pattern, hessian, fixed, &mut self.scaling);
         if scaled_norm(gradient, &self.scaling, fixed) == 0.0 {
             step.fill(0.0);
@@ -104,10 +109,11 @@ impl LinearSolver for DenseCholesky {
             .unwrap_or_else(|| Factor::new(gradient.len()));
         let mut pivot = 0;
         for &diagonal_shift in shifts {
-            match double.factorise(&self.pattern, hessian, fixed, &self.scaling, diagonal_shift) {
-                Err(index) => pivot = index,
+            let (pattern, free) = (&self.pattern, &self.free);
+            match double.factorise(pattern, hessian, free, &self.scaling, diagonal_shift) {
+                Err(index) => pivot = free.dofs[index],
                 Ok(()) => {
-                    double.solve(gradient, fixed, &self.scaling, step);
+                    double.solve(gradient, free, &self.scaling, step);
                     self.double = Some(double);
                     let residual = self.relative_residual(hessian, gradient, fixed, step);
                     return Ok(SolveReport {
@@ -128,7 +134,40 @@ impl LinearSolver for DenseCholesky {
     }
 }
 
-/// A dense Cholesky factor with its scratch memory.
+/// Which DoFs the matrix has, in order.
+struct FreeDofs {
+    dofs: Vec<usize>,
+    /// Row of each DoF in the matrix; none of a fixed one.
+    rows: Vec<Option<usize>>,
+}
+
+impl FreeDofs {
+    /// All of `count`, and room for them.
+    fn new(count: usize) -> Self {
+        Self {
+            dofs: (0..count).collect(),
+            rows: (0..count).map(Some).collect(),
+        }
+    }
+
+    /// Those that are not `fixed`.
+    fn set(&mut self, fixed: &[bool]) {
+        self.dofs.clear();
+        for ((dof, fixed), row) in fixed.iter().enumerate().zip(&mut self.rows) {
+            *row = (!fixed).then_some(self.dofs.len());
+            if !fixed {
+                self.dofs.push(dof);
+            }
+        }
+    }
+
+    /// Rows of the three DoFs of `block`.
+    fn rows_of(&self, block: usize) -> [Option<usize>; 3] {
+        [0, 1, 2].map(|axis| self.rows[3 * block + axis])
+    }
+}
+
+/// A dense Cholesky factor with its scratch memory: room for all DoFs, of which the free ones use the corner.
 struct Factor<T> {
     matrix: Mat<T>,
     right_hand_side: Mat<T>,
@@ -170,35 +209,36 @@ impl<T: Real> Factor<T> {
         }
     }
 
-    /// L Lᵀ = D H D + shift I over free DoFs, I over fixed ones; the failing pivot otherwise.
+    /// L Lᵀ = D H D + shift I over free DoFs; the row of the failing pivot otherwise.
     fn factorise(
         &mut self,
         pattern: &BlockPattern,
         hessian: &[[f64; 9]],
-        fixed: &[bool],
+        free: &FreeDofs,
         scaling: &[f64],
         shift: f64,
     ) -> std::result::Result<(), usize> {
-        self.matrix.fill(T::from_f64(0.0));
+        let count = free.dofs.len();
+        for column in 0..count {
+            self.matrix.col_as_slice_mut(column)[..count].fill(T::from_f64(0.0));
+        }
         for (block, (row, column)) in hessian.iter().zip(pattern.blocks()) {
-            let (r, c) = (3 * row, 3 * column);
-            for j in 0..3 {
-                let out = &mut self.matrix.col_as_slice_mut(c + j)[r..r + 3];
-                for i in 0..3 {
-                    out[i] = T::from_f64(scaling[r + i] * block[3 * j + i] * scaling[c + j]);
+            let (rows, columns) = (free.rows_of(row), free.rows_of(column));
+            for (j, &to) in columns.iter().enumerate() {
+                let Some(to) = to else { continue };
+                let out = self.matrix.col_as_slice_mut(to);
+                for (i, &at) in rows.iter().enumerate() {
+                    let Some(at) = at else { continue };
+                    let (left, right) = (scaling[3 * row + i], scaling[3 * column + j]);
+                    out[at] = T::from_f64(left * block[3 * j + i] * right);
                 }
             }
         }
-        for (dof, _) in fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
-            self.matrix.row_mut(dof).fill(T::from_f64(0.0));
-            self.matrix.col_mut(dof).fill(T::from_f64(0.0));
-        }
-        for (dof, &fixed) in fixed.iter().enumerate() {
-            let shift = if fixed { 1.0 } else { shift };
-            self.matrix[(dof, dof)] += T::from_f64(shift);
+        for k in 0..count {
+            self.matrix[(k, k)] += T::from_f64(shift);
         }
         factor::cholesky_in_place(
-            self.matrix.as_mut(),
+            self.matrix.as_mut().submatrix_mut(0, 0, count, count),
             Default::default(),
             Par::Seq,
             MemStack::new(&mut self.scratch),
@@ -207,26 +247,27 @@ impl<T: Real> Factor<T> {
         .map_err(|factor::LltError::NonPositivePivot { index }| index)?;
         // A NaN pivot is not positive either.
         let positive = |k: usize| self.matrix[(k, k)].to_f64() > 0.0;
-        match (0..fixed.len()).find(|&k| !positive(k)) {
+        match (0..count).find(|&k| !positive(k)) {
             Some(index) => Err(index),
             None => Ok(()),
         }
     }
 
     /// δ = −D (L Lᵀ)⁻¹ D g over free DoFs, 0 over fixed ones.
-    fn solve(&mut self, gradient: &[f64], fixed: &[bool], scaling: &[f64], step: &mut [f64]) {
-        for (dof, g) in gradient.iter().enumerate() {
-            let value = if fixed[dof] { 0.0 } else { -scaling[dof] * g };
-            self.right_hand_side[(dof, 0)] = T::from_f64(value);
+    fn solve(&mut self, gradient: &[f64], free: &FreeDofs, scaling: &[f64], step: &mut [f64]) {
+        let count = free.dofs.len();
+        for (k, &dof) in free.dofs.iter().enumerate() {
+            self.right_hand_side[(k, 0)] = T::from_f64(-scaling[dof] * gradient[dof]);
         }
         solve::solve_in_place(
-            self.matrix.as_ref(),
-            self.right_hand_side.as_mut(),
+            self.matrix.as_ref().submatrix(0, 0, count, count),
+            self.right_hand_side.as_mut().submatrix_mut(0, 0, count, 1),
             Par::Seq,
             MemStack::new(&mut self.scratch),
         );
-        for (dof, s) in step.iter_mut().enumerate() {
-            *s = scaling[dof] * self.right_hand_side[(dof, 0)].to_f64();
+        step.fill(0.0);
+        for (k, &dof) in free.dofs.iter().enumerate() {
+            step[dof] = scaling[dof] * self.right_hand_side[(k, 0)].to_f64();
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
 use crate::model::{Avatar, Frame, State, is_rotation};
+use crate::potential::TissueFactors;
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
@@ -36,6 +37,10 @@ pub struct Instance {
     pub colliders: Vec<Collider>,
     /// Gravity, m/s².
     pub gravity: DVec3,
+    /// On the tissue as it was baked: stiffness, damping, gravity, friction. The gravity factor is on the tissue's weight
+    /// also where that loads the bones (a shape that was captured under gravity): such a shape keeps the sag that it has,
+    /// whatever the factor.
+    pub factors: TissueFactors,
     /// Whether [`Simulation::step`](super::Simulation::step) moves it.
     pub active: bool,
 }
@@ -66,6 +71,7 @@ impl Instance {
             state,
             colliders: avatar.body_colliders().collect(),
             gravity: DVec3::new(0.0, 0.0, -9.81),
+            factors: TissueFactors::default(),
             active: true,
         }
     }
@@ -194,6 +200,7 @@ impl Instance {
             not_negative("instance.colliders.stiffness", collider.stiffness, "Pa/m")?;
             not_negative("instance.colliders.margin", collider.margin, "metres")?;
         }
-        check(self.gravity.is_finite(), "gravity", "is not finite")
+        check(self.gravity.is_finite(), "gravity", "is not finite")?;
+        self.factors.validate().map_err(|e| e.within("instance"))
     }
 }

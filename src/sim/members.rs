@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::model::State;
-use crate::potential::{Evaluation, HessianForm, Potential, StepStart, Trial};
+use crate::potential::{Evaluation, HessianForm, Potential, StepEnd, StepStart, Trial};
 use std::future::Future;
 
 /// Instances in one flat list, which are evaluated together. Its methods are those of [`Potential`].
@@ -23,6 +23,14 @@ pub(crate) trait Members {
         states: &[State],
         wanted: &[bool],
         out: &mut [Evaluation],
+    ) -> impl Future<Output = Result<()>>;
+
+    /// What the states that the step ends with tell of every `wanted` member.
+    fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
     ) -> impl Future<Output = Result<()>>;
 
     /// E(state) − E(base) of each trial.
@@ -56,6 +64,15 @@ impl<P: Potential> Members for P {
         out: &mut [Evaluation],
     ) -> impl Future<Output = Result<()>> {
         Potential::evaluate(self, states, wanted, out)
+    }
+
+    fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> impl Future<Output = Result<()>> {
+        Potential::end_step(self, states, wanted, out)
     }
 
     fn energy_differences(

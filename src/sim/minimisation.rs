@@ -1,9 +1,9 @@
 //! One instance's minimisation of E in a step: its Newton step, and what is told about it.
 
-use super::linear_solver::{LinearSolver, SolveReport, multiply_add};
+use super::linear_solver::{LinearSolver, SolveReport};
 use super::report::InstanceReport;
-use crate::model::State;
-use crate::potential::{BlockPattern, Evaluation};
+use crate::model::{Frame, State};
+use crate::potential::{Evaluation, StepEnd};
 use crate::skeleton::{SkeletonEnergies, SkeletonPotential};
 use crate::{Error, Result};
 
@@ -16,12 +16,14 @@ pub(super) struct Minimisation {
     pub skeleton: SkeletonPotential,
     /// qⁿ.
     pub current: State,
-    /// Which DoFs are prescribed.
+    /// Which frames are prescribed.
+    pub prescribed: Vec<bool>,
+    /// Which DoFs are: all six of such a frame.
     pub fixed: Vec<bool>,
     /// The Newton step δ.
     pub step: Vec<f64>,
-    /// g + H δ: at fixed DoFs, what holds them.
-    pub reaction: Vec<f64>,
+    /// ∂E/∂(c, ω) of tissue and skeleton where the step ends: at prescribed frames, what holds them.
+    pub frame_gradient: Vec<f64>,
     /// What happened.
     pub report: InstanceReport,
     /// How the last solve went.
@@ -33,11 +35,12 @@ impl Minimisation {
     pub fn new(skeleton: SkeletonPotential, current: State) -> Self {
         let dofs = current.space().dofs();
         Self {
+            prescribed: vec![false; current.frames.len()],
             skeleton,
             current,
             fixed: vec![false; dofs],
             step: vec![0.0; dofs],
-            reaction: vec![0.0; dofs],
+            frame_gradient: Vec::new(),
             report: InstanceReport::default(),
             solved: Ok(()),
         }
@@ -48,20 +51,18 @@ impl Minimisation {
     pub fn solve(
         &mut self,
         solver: &mut dyn LinearSolver,
-        pattern: &BlockPattern,
         evaluation: &mut Evaluation,
         skeleton_energies: SkeletonEnergies,
     ) -> Result<()> {
         check(evaluation, skeleton_energies)?;
         let (solved, dropped) = newton_step(solver, evaluation, &self.fixed, &mut self.step)?;
         self.report.geometric_dropped += usize::from(dropped);
-        self.finish(pattern, evaluation, skeleton_energies, solved)
+        self.finish(evaluation, skeleton_energies, solved)
     }
 
     /// Reports on the iteration whose Newton step has been solved for.
     pub fn finish(
         &mut self,
-        pattern: &BlockPattern,
         evaluation: &Evaluation,
         skeleton_energies: SkeletonEnergies,
         solved: SolveReport,
@@ -72,10 +73,6 @@ impl Minimisation {
             });
         }
         let gradient = &evaluation.gradient;
-        if self.fixed.contains(&true) {
-            let hessian = &evaluation.hessian;
-            multiply_add(pattern, hessian, &self.step, gradient, &mut self.reaction);
-        }
         let report = &mut self.report;
         report.iterations += 1;
         report.decrement = -dot(gradient, &self.step);
@@ -87,6 +84,18 @@ impl Minimisation {
         report.contacts = evaluation.contacts;
         report.contacts_left_out = evaluation.contacts_left_out;
         Ok(())
+    }
+
+    /// Reports on the state that the step ends with, its bones at `frames`, of which the tissue says `end`.
+    pub fn end(&mut self, frames: &[Frame], end: &StepEnd) {
+        self.frame_gradient.clone_from(&end.frame_gradient);
+        self.skeleton.add_gradient(frames, &mut self.frame_gradient);
+        let report = &mut self.report;
+        report.energies = end.energies;
+        report.skeleton_energies = self.skeleton.difference(&self.current.frames, frames);
+        report.contact_force = end.contact_force;
+        report.contacts = end.contacts;
+        report.contacts_left_out = end.contacts_left_out;
     }
 }
 

@@ -20,6 +20,7 @@
 //! | `line_search` | how far they move along their steps |
 //! | `iteration` | what an observer sees of an iteration |
 //! | `newton` | the iterations |
+//! | `step_end` | what the states that a step ends with tell |
 //! | `stepper` | a step of members of any assets, from its start to the new states |
 //! | `simulation` | avatars of one asset, stepped together |
 //! | `energy_balance` | mechanical energy, measured between steps |
@@ -41,6 +42,7 @@ mod report;
 mod settings;
 mod simulation;
 mod solvers;
+mod step_end;
 mod step_start;
 mod stepper;
 

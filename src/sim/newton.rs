@@ -171,9 +171,9 @@ impl Newton {
         let solve = |i: usize, (minimisation, evaluation)| {
             let minimisation: &mut Minimisation = minimisation;
             if running[i] && groups.is_alone(i) {
-                let (pattern, energies) = (systems.pattern(i), skeleton_energies[i]);
-                minimisation.solved = systems
-                    .lend(i, |solver| minimisation.solve(solver, pattern, evaluation, energies));
+                let energies = skeleton_energies[i];
+                minimisation.solved =
+                    systems.lend(i, |solver| minimisation.solve(solver, evaluation, energies));
             }
         };
         let parts = (&mut self.minimisations[..], &mut evaluations[..]);

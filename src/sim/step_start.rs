@@ -17,14 +17,16 @@ pub(super) fn skeleton_start<'a>(settings: &Settings, instance: &'a Instance) ->
         limits: &instance.limits,
         targets: &instance.targets,
         gravity: instance.gravity,
+        tissue_gravity: instance.factors.gravity,
     }
 }
 
-/// What the tissue's next step of an instance starts from.
+/// What the tissue's next step of an instance starts from, with `prescribed` frames.
 pub(super) fn tissue_start<'a>(
     settings: &Settings,
     captured_under_gravity: bool,
     instance: &'a Instance,
+    prescribed: &'a [bool],
 ) -> StepStart<'a> {
     StepStart {
         time_step: settings.time_step,
@@ -33,6 +35,8 @@ pub(super) fn tissue_start<'a>(
         colliders: &instance.colliders,
         slip_speed: settings.slip_speed,
         geometric_contact: settings.geometric_contact,
+        factors: instance.factors,
+        prescribed,
         // A captured shape already sags: the tissue's weight is then among the skeleton's terms.
         tissue_gravity: if captured_under_gravity {
             DVec3::ZERO

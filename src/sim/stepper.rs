@@ -10,6 +10,7 @@ use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, Timings};
 use super::settings::Settings;
 use super::solvers::{Solvers, Systems};
+use super::step_end::StepEnds;
 use super::step_start::{skeleton_start, tissue_start};
 use crate::math::{Stopwatch, par_members, recycled};
 use crate::model::State;
@@ -42,8 +43,11 @@ impl Physics {
 /// The memory of steps of a list of members. The instances of an asset are consecutive members.
 pub(crate) struct Stepper {
     newton: Newton,
+    ends: StepEnds,
     /// Memory of the starts of a step.
     starts: Vec<StepStart<'static>>,
+    /// Memory of whose ends are asked for.
+    pinned: Vec<bool>,
 }
 
 impl Stepper {
@@ -59,9 +63,12 @@ impl Stepper {
             let skeleton = physics.skeleton_potential(instance);
             Minimisation::new(skeleton, instance.state.clone())
         };
+        let minimisations: Vec<_> = members.map(minimisation).collect();
         Self {
-            newton: Newton::new(members.map(minimisation).collect(), systems),
+            ends: StepEnds::new(minimisations.len()),
+            newton: Newton::new(minimisations, systems),
             starts: Vec::new(),
+            pinned: Vec::new(),
         }
     }
 
@@ -120,7 +127,9 @@ impl Stepper {
 
     /// Holds frame `frame` of a member where it is in this step.
     pub fn hold(&mut self, member: usize, frame: usize) {
-        self.newton.minimisations[member].fixed[6 * frame..6 * frame + 6].fill(true);
+        let minimisation = &mut self.newton.minimisations[member];
+        minimisation.prescribed[frame] = true;
+        minimisation.fixed[6 * frame..6 * frame + 6].fill(true);
     }
 
     /// Gives a link's frame the place of its body, in prediction and fall-back.
@@ -141,12 +150,17 @@ impl Stepper {
     ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut starts: Vec<StepStart<'_>> = recycled(std::mem::take(&mut self.starts));
-        let mut mode = None;
-        starts.extend(each.map(|(physics, instance)| {
-            mode = Some(physics.settings.solver);
-            tissue_start(&physics.settings, physics.captured_under_gravity, instance)
-        }));
         let newton = &mut self.newton;
+        let mut mode = None;
+        self.pinned.clear();
+        let pairs = each.zip(&newton.minimisations);
+        starts.extend(pairs.map(|((physics, instance), minimisation)| {
+            let settings = &physics.settings;
+            mode = Some(settings.solver);
+            (self.pinned).push(settings.report_at_end || !instance.pins.is_empty());
+            let captured = physics.captured_under_gravity;
+            tissue_start(settings, captured, instance, &minimisation.prescribed)
+        }));
         members.begin_step(&starts, &newton.active).await?;
         self.starts = recycled(starts);
         timings.evaluation += watch.ms();
@@ -161,6 +175,10 @@ impl Stepper {
                 return Err(Error::NotFinite { quantity: "state" });
             }
         }
+        let watch = Stopwatch::start();
+        let wanted = self.pinned.iter().copied();
+        self.ends.report(members, newton, wanted).await?;
+        timings.evaluation += watch.ms();
         let watch = Stopwatch::start();
         members.pose_skin(&newton.iterates.states).await?;
         timings.skin = watch.ms();
@@ -204,7 +222,7 @@ fn commit(
     let frames = &instance.state.frames;
     let report = &mut minimisation.report;
     report.max_joint_gap = joint_gap(physics.skeleton.skeleton(), frames);
-    report.weight = physics.skeleton.total_mass() * instance.gravity;
+    report.weight = physics.skeleton.weighed_mass(instance.factors.gravity) * instance.gravity;
     let tracking = minimisation.skeleton.tracking().iter().map(|term| {
         let (force, torque) = term.load(frames);
         Load {
@@ -213,7 +231,8 @@ fn commit(
             torque,
         }
     });
-    let block = |b: usize| DVec3::from_slice(&minimisation.reaction[3 * b..3 * b + 3]);
+    let gradient = &minimisation.frame_gradient;
+    let block = |b: usize| DVec3::from_slice(&gradient[3 * b..3 * b + 3]);
     let pins = instance.pins.iter().map(|pin| Load {
         bone: pin.bone,
         force: block(2 * pin.bone),

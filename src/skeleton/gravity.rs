@@ -45,16 +45,16 @@ impl TissueMoments {
         out
     }
 
-    /// Adds M0, and M1 with x̄ of the pose `frames`, to the moments of each bone.
-    fn add_to(&self, moments: &mut [(f64, DVec3)], frames: &[Frame]) {
+    /// Adds M0, and M1 with x̄ of the pose `frames`, times `factor` to the moments of each bone.
+    fn add_to(&self, factor: f64, moments: &mut [(f64, DVec3)], frames: &[Frame]) {
         for ((mass, first), (m0, m1)) in moments.iter_mut().zip(self.mass.iter().zip(&self.first)) {
-            *mass += m0;
-            *first += *m1;
+            *mass += factor * m0;
+            *first += factor * *m1;
         }
         let columns = self.blend.chunks_exact(self.mass.len().max(1));
         for (value, column) in pose_features(&self.parents, frames).zip(columns) {
             for ((_, first), share) in moments.iter_mut().zip(column) {
-                *first += value * *share;
+                *first += factor * value * *share;
             }
         }
     }
@@ -70,11 +70,11 @@ pub struct FrameGravity {
 }
 
 impl FrameGravity {
-    /// The bones' own moments `(mass, first)`, and the tissue's with x̄ of the pose `current`.
+    /// The bones' own moments `(mass, first)`, and the tissue's with x̄ of the pose `current`, times a factor.
     pub fn new(
         gravity: DVec3,
         bones: &[(f64, DVec3)],
-        tissue: Option<&TissueMoments>,
+        tissue: Option<(&TissueMoments, f64)>,
         current: &[Frame],
     ) -> Self {
         let mut out = Self::default();
@@ -87,14 +87,14 @@ impl FrameGravity {
         &mut self,
         gravity: DVec3,
         bones: &[(f64, DVec3)],
-        tissue: Option<&TissueMoments>,
+        tissue: Option<(&TissueMoments, f64)>,
         current: &[Frame],
     ) {
         self.gravity = gravity;
         self.moments.clear();
         self.moments.extend(bones);
-        if let Some(tissue) = tissue {
-            tissue.add_to(&mut self.moments, current);
+        if let Some((tissue, factor)) = tissue {
+            tissue.add_to(factor, &mut self.moments, current);
         }
     }
 }

@@ -20,18 +20,15 @@ pub struct SkeletonModel {
     moments: Vec<(f64, DVec3)>,
     /// The tissue's moments where its weight loads the bones and not the handles.
     tissue: Option<TissueMoments>,
-    /// Mass of bones and tissue, kg.
-    total_mass: f64,
+    /// Mass of the bones, kg.
+    bone_mass: f64,
+    /// Mass of the tissue, kg.
+    tissue_mass: f64,
 }
 
 impl SkeletonModel {
     /// The skeleton of `avatar`.
     pub fn new(avatar: &Avatar) -> Self {
-        let bones: f64 = avatar
-            .bone_masses
-            .iter()
-            .map(|b| b.second_moment[3][3])
-            .sum();
         Self {
             skeleton: avatar.skeleton.clone(),
             masses: avatar.bone_masses.clone(),
@@ -39,7 +36,10 @@ impl SkeletonModel {
             tissue: avatar
                 .captured_under_gravity
                 .then(|| TissueMoments::new(avatar)),
-            total_mass: bones + avatar.tissue_mass(),
+            bone_mass: (avatar.bone_masses.iter())
+                .map(|b| b.second_moment[3][3])
+                .sum(),
+            tissue_mass: avatar.tissue_mass(),
         }
     }
 
@@ -48,9 +48,9 @@ impl SkeletonModel {
         &self.skeleton
     }
 
-    /// Mass of bones and tissue, kg.
-    pub fn total_mass(&self) -> f64 {
-        self.total_mass
+    /// Mass of bones and tissue, kg, gravity on the latter times `tissue_gravity`.
+    pub fn weighed_mass(&self, tissue_gravity: f64) -> f64 {
+        self.bone_mass + tissue_gravity * self.tissue_mass
     }
 }
 
@@ -73,6 +73,8 @@ pub struct SkeletonStart<'a> {
     pub targets: &'a [Tracking],
     /// Gravity, m/s².
     pub gravity: DVec3,
+    /// Factor on it where it acts on tissue.
+    pub tissue_gravity: f64,
 }
 
 /// The skeleton's energies, J; as differences from qⁿ.
@@ -157,8 +159,8 @@ impl SkeletonPotential {
         self.tracking.clear();
         let target = |&target| TrackingSpring::new(target, start.current, start.time_step);
         self.tracking.extend(start.targets.iter().map(target));
-        let (moments, tissue) = (&model.moments, model.tissue.as_ref());
-        (self.gravity).restart(start.gravity, moments, tissue, start.current);
+        let tissue = model.tissue.as_ref().map(|t| (t, start.tissue_gravity));
+        (self.gravity).restart(start.gravity, &model.moments, tissue, start.current);
     }
 
     /// E(frames) − E(base), term by term.
@@ -181,6 +183,13 @@ impl SkeletonPotential {
         let hessian = &mut FrameHessian::new(packed, self.frames);
         for term in self.terms() {
             term.add_derivatives(frames, gradient, hessian);
+        }
+    }
+
+    /// Adds the gradient at `frames` alone.
+    pub fn add_gradient(&self, frames: &[Frame], gradient: &mut [f64]) {
+        for term in self.terms() {
+            term.add_derivatives(frames, gradient, &mut FrameHessian::none());
         }
     }
 

@@ -43,9 +43,17 @@ impl<'a> FrameHessian<'a> {
         }
     }
 
+    /// Takes nothing: for gradients alone.
+    pub fn none() -> Self {
+        Self { blocks: &mut [] }
+    }
+
     /// Adds `value` to block (`row`, `column`), and by symmetry its transpose to (`column`, `row`).
     /// A block on the diagonal is added once.
     pub fn add(&mut self, row: usize, column: usize, value: DMat3) {
+        if self.blocks.is_empty() {
+            return;
+        }
         let (row, column, value) = if row >= column {
             (row, column, value)
         } else {
@@ -74,6 +82,9 @@ impl<const N: usize> Residual<N> {
 
     /// Gauss–Newton Hessian k JᵀJ.
     pub fn add_hessian(&self, k: f64, hessian: &mut FrameHessian<'_>) {
+        if hessian.blocks.is_empty() {
+            return;
+        }
         for (i, (row, left)) in self.jacobian.iter().enumerate() {
             for (column, right) in &self.jacobian[..=i] {
                 hessian.add(*row, *column, left.transpose() * *right * k);

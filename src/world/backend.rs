@@ -6,7 +6,7 @@ use crate::model::{Avatar, State};
 #[cfg(feature = "gpu")]
 use crate::potential::{GpuOptions, GpuPotential};
 use crate::potential::{
-    BlockPattern, CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, StepStart,
+    BlockPattern, CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, StepEnd, StepStart,
     Trial,
 };
 use crate::{Error, Result};
@@ -171,6 +171,17 @@ impl Evaluator {
     ) -> Result<()> {
         either!(self, |potential| potential
             .evaluate(states, wanted, out)
+            .await)
+    }
+
+    pub async fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .end_step(states, wanted, out)
             .await)
     }
 

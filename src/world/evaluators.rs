@@ -4,7 +4,7 @@ use super::backend::Evaluator;
 use crate::Result;
 use crate::math::recycled;
 use crate::model::State;
-use crate::potential::{Evaluation, HessianForm, StepStart, Trial};
+use crate::potential::{Evaluation, HessianForm, StepEnd, StepStart, Trial};
 use crate::sim::Members;
 use std::ops::Range;
 
@@ -96,6 +96,24 @@ impl Members for Evaluators {
             if wanted.contains(&true) {
                 (batch.evaluator)
                     .evaluate(states, wanted, &mut out[range])
+                    .await?;
+            }
+        }
+        Ok(())
+    }
+
+    async fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> Result<()> {
+        for batch in &mut self.list {
+            let range = batch.members.clone();
+            let (states, wanted) = (&states[range.clone()], &wanted[range.clone()]);
+            if wanted.contains(&true) {
+                (batch.evaluator)
+                    .end_step(states, wanted, &mut out[range])
                     .await?;
             }
         }

@@ -62,7 +62,7 @@ fn gravity_is_the_weight_of_tissue_and_bones() {
     let g = DVec3::new(1.0, 2.0, -9.0);
     let moments: Vec<_> = avatar.bone_masses.iter().map(|b| b.moments()).collect();
     let tissue = TissueMoments::new(&avatar);
-    let term = FrameGravity::new(g, &moments, Some(&tissue), &current);
+    let term = FrameGravity::new(g, &moments, Some((&tissue, 1.0)), &current);
 
     let (points, joints) = (&avatar.cubature, &avatar.skeleton.joints);
     let feature = pose_feature(&avatar.skeleton.parents, &current);

@@ -9,8 +9,9 @@ use super::friction::{Lagged, Slip, carried};
 use super::point_start::PointStarts;
 use super::{Basis, Motion, energy};
 use crate::collider::Collider;
+use crate::material::MaterialPoint;
 use crate::math::{Strided, par_join, par_split};
-use crate::model::{Frame, State, pose_feature_into};
+use crate::model::{Avatar, Frame, State, pose_feature_into};
 use crate::potential::StepStart;
 use crate::potential::cpu::pose_skin::PosedSkin;
 use glam::{DMat3, DVec3};
@@ -35,6 +36,8 @@ pub(super) struct Step {
     /// The root's joint at tⁿ: frames and colliders are relative to it.
     pub origin: DVec3,
     pub tissue_gravity: DVec3,
+    /// Factor on the tissue's stiffness.
+    pub stiffness: f64,
     /// β/h.
     pub damping_rate: f64,
     pub colliders: Vec<Collider>,
@@ -46,6 +49,8 @@ pub(super) struct Step {
     pub smoothing: f64,
     /// Whether the geometric terms of contact are wanted.
     pub geometric: bool,
+    /// Which frames are prescribed.
+    pub prescribed: Vec<bool>,
     /// qⁿ.
     pub current: State,
     pub starts: PointStarts,
@@ -62,12 +67,14 @@ impl Step {
             time_step: 0.0,
             origin: DVec3::ZERO,
             tissue_gravity: DVec3::ZERO,
+            stiffness: 1.0,
             damping_rate: 0.0,
             colliders: Vec::new(),
             collider_motions: Vec::new(),
             lagged: Vec::new(),
             smoothing: 0.0,
             geometric: false,
+            prescribed: vec![false; asset.space.frames],
             current: asset.avatar.rest_state(),
             starts: PointStarts::new(asset),
             skin_rest: vec![DVec3::ZERO; asset.skin.len()],
@@ -89,25 +96,34 @@ impl Step {
         let avatar = &*asset.avatar;
         self.time_step = start.time_step;
         self.origin = start.current.frames[0].position;
-        self.tissue_gravity = start.tissue_gravity;
-        self.damping_rate = avatar.damping_time / start.time_step;
+        let factors = start.factors;
+        self.tissue_gravity = factors.gravity * start.tissue_gravity;
+        self.stiffness = factors.stiffness;
+        self.damping_rate = factors.damping * avatar.damping_time / start.time_step;
         self.colliders.clear();
         let relative = start.colliders.iter().map(|c| c.relative_to(self.origin));
         self.colliders.extend(relative);
+        for collider in &mut self.colliders {
+            collider.friction *= factors.friction;
+        }
         self.collider_motions.clear();
         let moved = |c: &Collider| FrameMotion::new(&c.previous, &c.frame);
         self.collider_motions
             .extend(self.colliders.iter().map(moved));
         self.smoothing = start.slip_speed * start.time_step;
         self.geometric = start.geometric_contact;
+        for (frame, prescribed) in self.prescribed.iter_mut().enumerate() {
+            *prescribed = start.is_prescribed(frame);
+        }
         self.current.clone_from(start.current);
 
         pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);
         motion.set(start.previous, start.current, self.origin);
         let (feature, motion) = (&*feature, &*motion);
         let mut starts = std::mem::take(&mut self.starts);
+        let tissue = |i: usize| scaled_tissue(avatar, factors.stiffness, i);
         par_join(
-            || starts.begin(asset, feature, &start.previous.handles, motion),
+            || starts.begin(asset, feature, &start.previous.handles, motion, tissue),
             || self.begin_skin(asset, feature, motion, touching, posed_skin),
         );
         self.starts = starts;
@@ -180,6 +196,11 @@ impl Step {
             &mut lagged,
         );
         self.lagged = lagged;
+    }
+
+    /// The tissue at cubature point `i`, with this step's factor.
+    pub fn tissue_at<'a, B: Basis>(&self, asset: &'a Asset<B>, i: usize) -> MaterialPoint<'a> {
+        scaled_tissue(&asset.avatar, self.stiffness, i)
     }
 
     /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
@@ -297,4 +318,11 @@ impl Step {
         }
         sum
     }
+}
+
+/// The tissue of `avatar` at cubature point `i`, `factor` times as stiff.
+fn scaled_tissue(avatar: &Avatar, factor: f64, i: usize) -> MaterialPoint<'_> {
+    let mut tissue = avatar.tissue_at(i);
+    tissue.local.stiffness *= factor;
+    tissue
 }

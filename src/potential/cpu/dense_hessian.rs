@@ -59,8 +59,8 @@ impl<B: Basis> CpuPotential<B> {
             let f_change = displacement_gradient(basis, &motion.handle_changes);
             let f = start.deformation_gradient + f_change;
             let mut tangent = match form {
-                HessianForm::Exact => avatar.tissue_at(i).tangent(f),
-                HessianForm::Solver => avatar.tissue_at(i).projected_tangent(f),
+                HessianForm::Exact => step.tissue_at(asset, i).tangent(f),
+                HessianForm::Solver => step.tissue_at(asset, i).projected_tangent(f),
             };
             if let Some(damping) = step.damping(i, f_change) {
                 for (row, lagged) in tangent.iter_mut().zip(damping.tangent) {

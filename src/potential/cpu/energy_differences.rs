@@ -79,7 +79,7 @@ fn point_difference<B: Basis>(
     Energies {
         inertia: energy::inertia(mass, h, d_change, d_base - start.predicted),
         gravity: energy::gravity(mass, gravity, d_change),
-        elastic: energy::elastic(avatar.tissue_at(i), weight, f_base, change),
+        elastic: energy::elastic(step.tissue_at(asset, i), weight, f_base, change),
         damping: step.damping(i, since_start).map_or(0.0, |d| {
             energy::damping(weight, d.rate, d.tangent, change, since_start)
         }),

@@ -4,17 +4,20 @@
 use super::asset::Asset;
 use super::compact::compact;
 use super::contact::{ContactRow, body_levers, contact_point, skin_levers};
-use super::evaluate_points::evaluate_points;
+use super::evaluate_points::{Derivatives, evaluate_points};
 use super::friction::{self, Slip};
 use super::geometric::{Vertex, add_geometric};
-use super::hessian::{ContactRows, gather_contacts, gather_points};
-use super::point_hessian::{PointTerms, PointView};
+use super::hessian::{
+    ContactRows, ContactTerms, gather_contact_forces, gather_contacts, gather_point_forces,
+    gather_points,
+};
+use super::point_hessian::{PointTerms, PointView, is_prescribed};
 use super::{Basis, Motion, energy};
 use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_join, par_split};
 use crate::model::State;
 use crate::potential::cpu::begin_step::{Step, Touching};
 use crate::potential::cpu::pose_skin::PosedSkin;
-use crate::potential::{Energies, Evaluation, EvaluationTimings, StepStart};
+use crate::potential::{Energies, Evaluation, EvaluationTimings, StepEnd, StepStart};
 use crate::{Error, Result};
 use glam::DVec3;
 
@@ -84,6 +87,46 @@ impl Instance {
     /// E(q) − E(qⁿ), its gradient and the solver's Hessian. [`Instance::check`] tells whether it is whole.
     pub fn evaluate<B: Basis>(&mut self, asset: &Asset<B>, state: &State, out: &mut Evaluation) {
         let watch = Stopwatch::start();
+        out.contacts = self.evaluate_terms(asset, state, Derivatives::All);
+        self.timings.force += watch.ms();
+        let watch = Stopwatch::start();
+        out.hessian.resize(asset.pattern.len(), [0.0; 9]);
+        self.gather(asset, &mut out.hessian);
+        self.add_geometric(asset, &mut out.geometric);
+        self.timings.hessian += watch.ms();
+
+        out.energies = self.sum_energies(asset);
+        out.gradient.clear();
+        out.gradient
+            .extend(self.gradient.iter().flat_map(|g| g.to_array()));
+        out.contact_force = self.contact_force();
+    }
+
+    /// The same without what handles need, at the state that the step ends with.
+    pub fn end_step<B: Basis>(&mut self, asset: &Asset<B>, state: &State, out: &mut StepEnd) {
+        let watch = Stopwatch::start();
+        out.contacts = self.evaluate_terms(asset, state, Derivatives::OfFrames);
+        let mut gradient = std::mem::take(&mut self.gradient);
+        let (contacts, of_frames) = (self.contact_terms(asset), 2 * asset.space.frames);
+        par_each(&mut gradient[..of_frames], ROW_GRAIN, |row, force| {
+            *force = self.force(asset, &contacts, row);
+        });
+        out.frame_gradient.clear();
+        let numbers = gradient[..of_frames].iter().flat_map(|g| g.to_array());
+        out.frame_gradient.extend(numbers);
+        self.gradient = gradient;
+        out.energies = self.sum_energies(asset);
+        out.contact_force = self.contact_force();
+        self.timings.force += watch.ms();
+    }
+
+    /// What points and contacts have of their own at `state`; how many contacts there are.
+    fn evaluate_terms<B: Basis>(
+        &mut self,
+        asset: &Asset<B>,
+        state: &State,
+        wanted: Derivatives,
+    ) -> usize {
         let step = &self.step;
         self.motion.set(&step.current, state, step.origin);
         let motion = &self.motion;
@@ -95,38 +138,37 @@ impl Instance {
         );
         par_join(
             || step.contact(asset, motion, &mut self.touching),
-            || evaluate_points(asset, step, motion, points),
+            || evaluate_points(asset, step, motion, wanted, points),
         );
         let areas = &asset.avatar.skin.measure;
         let (candidates, colliders) = (&self.touching.candidates, &step.colliders);
-        out.contacts = compact(candidates, areas, colliders, &mut self.contacts);
+        let count = compact(candidates, areas, colliders, &mut self.contacts);
         self.evaluate_slips(asset);
         self.evaluate_levers(asset);
-        self.timings.force += watch.ms();
-        let watch = Stopwatch::start();
-        out.hessian.resize(asset.pattern.len(), [0.0; 9]);
-        self.gather(asset, &mut out.hessian);
-        self.add_geometric(asset, &mut out.geometric);
-        self.timings.hessian += watch.ms();
-
-        out.energies = energy::sum(&self.energies);
-        out.energies.contact = self
-            .step
-            .sum_contact_energy(asset, &self.touching.candidates)
-            - self.step.contact_energy;
-        out.energies.friction = self.friction_energy();
-        out.gradient.clear();
-        out.gradient
-            .extend(self.gradient.iter().flat_map(|g| g.to_array()));
-        out.contact_force = self.contacts.iter().map(|c| -c.force * c.direction).sum();
+        count
     }
 
-    /// Whether an evaluation is finite.
-    pub fn check(evaluation: &Evaluation) -> Result<()> {
-        if !evaluation.energies.total().is_finite() {
+    /// E(q) − E(qⁿ), term by term.
+    fn sum_energies<B: Basis>(&self, asset: &Asset<B>) -> Energies {
+        let (step, candidates) = (&self.step, &self.touching.candidates);
+        Energies {
+            contact: step.sum_contact_energy(asset, candidates) - step.contact_energy,
+            friction: self.friction_energy(),
+            ..energy::sum(&self.energies)
+        }
+    }
+
+    /// Of contact and friction on the skin, N.
+    fn contact_force(&self) -> DVec3 {
+        self.contacts.iter().map(|c| -c.force * c.direction).sum()
+    }
+
+    /// Whether energies and a gradient are finite.
+    pub fn check(energies: &Energies, gradient: &[f64]) -> Result<()> {
+        if !energies.total().is_finite() {
             return Err(Error::NotFinite { quantity: "energy" });
         }
-        if evaluation.gradient.iter().any(|g| !g.is_finite()) {
+        if gradient.iter().any(|g| !g.is_finite()) {
             return Err(Error::NotFinite {
                 quantity: "gradient",
             });
@@ -195,6 +237,7 @@ impl Instance {
         }
         out.resize(asset.pattern.len(), [0.0; 9]);
         let (joints, frames) = (&asset.avatar.skeleton.joints, &self.motion.frames);
+        let into = (&asset.pattern, &self.step.prescribed[..]);
         for row in self.contacts.iter().filter(|row| row.force != 0.0) {
             let v = row.vertex as usize;
             let vertex = Vertex {
@@ -202,39 +245,62 @@ impl Instance {
                 basis: asset.skin.basis.row(v),
                 unposed: self.step.skin_unposed(asset, v, &self.motion.handles),
             };
-            add_geometric(&asset.pattern, row, &vertex, joints, frames, out);
+            add_geometric(into, row, &vertex, joints, frames, out);
         }
     }
 
     /// Gradient and packed Hessian, block row by block row.
     fn gather<B: Basis>(&mut self, asset: &Asset<B>, hessian: &mut [[f64; 9]]) {
+        let mut gradient = std::mem::take(&mut self.gradient);
+        let (contacts, prescribed) = (self.contact_terms(asset), &self.step.prescribed[..]);
+        let parts = (
+            &mut gradient[..],
+            RowsMut::new(asset.pattern.columns().offsets(), hessian),
+        );
+        par_split(asset.space.blocks(), ROW_GRAIN, parts, |row, parts| {
+            let (force, out) = parts;
+            out.fill([0.0; 9]);
+            if is_prescribed(prescribed, row) {
+                *force = self.force(asset, &contacts, row);
+                return;
+            }
+            *force = DVec3::ZERO;
+            let point = |i| self.point_view(asset, i);
+            gather_points(&asset.cubature_incidence, row, point, force, out);
+            gather_contacts(&contacts, row, force, out);
+        });
+        self.gradient = gradient;
+    }
+
+    /// The gradient of block row `row`.
+    fn force<B: Basis>(&self, asset: &Asset<B>, contacts: &ContactTerms<'_>, row: usize) -> DVec3 {
+        let mut force = DVec3::ZERO;
+        let point = |i| self.point_view(asset, i);
+        gather_point_forces(&asset.cubature_incidence, row, point, &mut force);
+        gather_contact_forces(contacts, row, &mut force);
+        force
+    }
+
+    fn point_view<'a, B: Basis>(&'a self, asset: &'a Asset<B>, i: usize) -> PointView<'a, B> {
         let points = &asset.cubature;
-        let point = |i: usize| PointView {
+        PointView {
             terms: &self.terms[i],
             skinning: points.skinning.row(i),
             arms: &self.arms[points.skinning.range(i)],
             basis: points.basis.row(i),
             tangent: &self.tangents[i],
-        };
-        let parts = (
-            &mut self.gradient[..],
-            RowsMut::new(asset.pattern.columns().offsets(), hessian),
-        );
-        let levers = (asset.lever_stride, &self.levers[..]);
-        par_split(asset.space.blocks(), ROW_GRAIN, parts, |row, parts| {
-            let (force, out) = parts;
-            *force = DVec3::ZERO;
-            out.fill([0.0; 9]);
-            gather_points(&asset.cubature_incidence, row, point, force, out);
-            gather_contacts(
-                &self.contact_rows,
-                row,
-                &self.contacts,
-                (&asset.skin_incidence, &asset.pattern),
-                levers,
-                force,
-                out,
-            );
-        });
+            prescribed: &self.step.prescribed,
+        }
+    }
+
+    fn contact_terms<'a, B: Basis>(&'a self, asset: &'a Asset<B>) -> ContactTerms<'a> {
+        ContactTerms {
+            rows: &self.contact_rows,
+            contacts: &self.contacts,
+            levers: (asset.lever_stride, &self.levers),
+            skin: &asset.skin_incidence,
+            pattern: &asset.pattern,
+            prescribed: &self.step.prescribed,
+        }
     }
 }

@@ -18,30 +18,41 @@ pub(super) type PointParts<'a> = (
     &'a mut [Mat9],
 );
 
+/// Which derivatives of the energy by a point's blocks are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Derivatives {
+    /// The gradient by frames: then stress and tangent are not looked at, and not made.
+    OfFrames,
+    /// The gradient and the Hessian.
+    All,
+}
+
 /// Stages displacement, elasticity and energy at every cubature point; `out` has a part for each.
 pub(super) fn evaluate_points<B: Basis>(
     asset: &Asset<B>,
     step: &Step,
     motion: &Motion,
+    wanted: Derivatives,
     out: PointParts<'_>,
 ) {
     par_split(asset.cubature.len(), POINT_GRAIN, out, |i, parts| {
         let (terms, energies, arms, tangent) = parts;
+        let tangent = (wanted == Derivatives::All).then_some(tangent);
         (*terms, *energies) = evaluate_point(asset, step, motion, i, arms, tangent);
     });
 }
 
-/// The same at point `i`, with qⁿ as the base.
+/// The same at point `i`, with qⁿ as the base; without a `tangent`, without a stress.
 fn evaluate_point<B: Basis>(
     asset: &Asset<B>,
     step: &Step,
     motion: &Motion,
     i: usize,
     point_arms: &mut [DVec3],
-    tangent: &mut Mat9,
+    tangent: Option<&mut Mat9>,
 ) -> (PointTerms, Energies) {
     let avatar = &*asset.avatar;
-    let (tissue, joints) = (avatar.tissue_at(i), &avatar.skeleton.joints);
+    let (tissue, joints) = (step.tissue_at(asset, i), &avatar.skeleton.joints);
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
     let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
     let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
@@ -62,8 +73,11 @@ fn evaluate_point<B: Basis>(
     let f_start = start.deformation_gradient;
     let f_change = elasticity::displacement_gradient(basis, changes);
     let damping = step.damping(i, f_change);
-    let stress = elasticity::stress(tissue, f_start + f_change, damping);
-    *tangent = elasticity::tangent(tissue, f_start + f_change, damping, weight);
+    let mut stress = DMat3::ZERO;
+    if let Some(tangent) = tangent {
+        stress = elasticity::stress(tissue, f_start + f_change, damping);
+        *tangent = elasticity::tangent(tissue, f_start + f_change, damping, weight);
+    }
 
     let inertia = mass / (h * h);
     let terms = PointTerms {

@@ -4,7 +4,7 @@ use super::{Basis, CpuPotential};
 use crate::Result;
 use crate::model::{BasisEntry, Space, State};
 use crate::potential::{
-    BlockPattern, Evaluation, EvaluationTimings, HessianForm, Potential, StepStart, Trial,
+    BlockPattern, Evaluation, EvaluationTimings, HessianForm, Potential, StepEnd, StepStart, Trial,
 };
 use glam::DVec3;
 
@@ -52,12 +52,24 @@ impl<B: Basis> Potential for Exact<B> {
             let dense = self.0.dense_hessian(i, &states[i], HessianForm::Exact)?;
             let blocks = self.0.pattern().blocks().zip(&mut out[i].hessian);
             for ((row, column), block) in blocks {
-                *block = std::array::from_fn(|k| dense[3 * row + k % 3][3 * column + k / 3]);
+                // Those of prescribed frames stay zero.
+                if !self.0.is_prescribed(i, row) && !self.0.is_prescribed(i, column) {
+                    *block = std::array::from_fn(|k| dense[3 * row + k % 3][3 * column + k / 3]);
+                }
             }
             // They are in it already.
             out[i].geometric.clear();
         }
         Ok(())
+    }
+
+    async fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> Result<()> {
+        self.0.end_step(states, wanted, out).await
     }
 
     async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {

@@ -10,6 +10,7 @@
 use super::Basis;
 use super::contact::ContactRow;
 use super::displacement::{blended_rotation, position};
+use super::point_hessian::is_prescribed;
 use crate::math::skew;
 use crate::model::{Frame, SkinWeight};
 use crate::potential::BlockPattern;
@@ -25,9 +26,9 @@ pub struct Vertex<'a, B> {
     pub unposed: DVec3,
 }
 
-/// Adds the terms of `row` to the packed blocks `out`.
+/// Adds the terms of `row` to the packed blocks `out`, less those of frames that are `prescribed`.
 pub fn add_geometric<B: Basis>(
-    pattern: &BlockPattern,
+    (pattern, prescribed): (&BlockPattern, &[bool]),
     row: &ContactRow,
     vertex: &Vertex<'_, B>,
     joints: &[DVec3],
@@ -36,6 +37,9 @@ pub fn add_geometric<B: Basis>(
 ) {
     let (f, space) = (row.force * row.direction, pattern.space());
     let mut add = |row: usize, column: usize, block: DMat3| {
+        if is_prescribed(prescribed, row) || is_prescribed(prescribed, column) {
+            return;
+        }
         let (high, low, block) = if row >= column {
             (row, column, block)
         } else {

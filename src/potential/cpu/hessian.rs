@@ -5,7 +5,7 @@
 
 use super::contact::ContactRow;
 use super::gradient::gradient;
-use super::point_hessian::{PointView, hessian_row};
+use super::point_hessian::{PointView, hessian_row, is_prescribed};
 use super::{Basis, Incidence};
 use crate::potential::BlockPattern;
 use glam::{DMat3, DVec3};
@@ -26,6 +26,18 @@ pub fn gather_points<'a, B: Basis + 'a>(
         hessian_row(&view, local, |b, block| {
             add(&mut out[targets[b] as usize], &block)
         });
+    }
+}
+
+/// Adds the points' parts of block row `row` to its gradient alone.
+pub fn gather_point_forces<'a, B: Basis + 'a>(
+    incidence: &Incidence,
+    row: usize,
+    point: impl Fn(usize) -> PointView<'a, B>,
+    force: &mut DVec3,
+) {
+    for &(i, local) in incidence.row(row) {
+        *force += gradient(&point(i as usize), local as usize);
     }
 }
 
@@ -94,19 +106,42 @@ fn for_each_block(contacts: &[ContactRow], skin: &Incidence, mut f: impl FnMut(u
     }
 }
 
-/// Adds the contacts' parts, f ℓ and k ℓ_a ℓ_bᵀ, of block row `row`; `levers` holds `stride` for each
-/// contact: the vertex's ([`super::contact::skin_levers`]), then the body's.
+/// The active contacts as block rows gather them.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactTerms<'a> {
+    /// By block row.
+    pub rows: &'a ContactRows,
+    /// Them.
+    pub contacts: &'a [ContactRow],
+    /// How many levers each has, and these: the vertex's ([`super::contact::skin_levers`]), then the body's.
+    pub levers: (usize, &'a [DVec3]),
+    /// The blocks of the vertices.
+    pub skin: &'a Incidence,
+    /// Where blocks are stored.
+    pub pattern: &'a BlockPattern,
+    /// By frame: whose blocks are left out.
+    pub prescribed: &'a [bool],
+}
+
+/// Adds f ℓ of block row `row`.
+pub fn gather_contact_forces(terms: &ContactTerms<'_>, row: usize, force: &mut DVec3) {
+    let (stride, levers) = terms.levers;
+    for &(k, local) in terms.rows.row(row) {
+        *force += terms.contacts[k as usize].force * levers[k as usize * stride + local as usize];
+    }
+}
+
+/// Adds the contacts' parts, f ℓ and k ℓ_a ℓ_bᵀ, of block row `row`, less the columns of prescribed frames.
 pub fn gather_contacts(
-    rows: &ContactRows,
+    terms: &ContactTerms<'_>,
     row: usize,
-    contacts: &[ContactRow],
-    (skin, pattern): (&Incidence, &BlockPattern),
-    (stride, levers): (usize, &[DVec3]),
     force: &mut DVec3,
     out: &mut [[f64; 9]],
 ) {
-    for &(k, local) in rows.row(row) {
-        let (contact, local) = (&contacts[k as usize], local as usize);
+    let ((stride, levers), skin) = (terms.levers, terms.skin);
+    let left_out = |column: u32| is_prescribed(terms.prescribed, column as usize);
+    for &(k, local) in terms.rows.row(row) {
+        let (contact, local) = (&terms.contacts[k as usize], local as usize);
         let (vertex, levers) = (contact.vertex as usize, &levers[k as usize * stride..]);
         let own = levers[local];
         *force += contact.force * own;
@@ -117,13 +152,16 @@ pub fn gather_contacts(
         };
         let blocks = skin.blocks(vertex);
         if local < blocks.len() {
-            for (&target, &other) in skin.targets(vertex, local).iter().zip(levers) {
-                add_column(target as usize, other);
+            let targets = skin.targets(vertex, local).iter().zip(blocks);
+            for ((&target, &column), &other) in targets.zip(levers) {
+                if !left_out(column) {
+                    add_column(target as usize, other);
+                }
             }
         } else {
             // A frame's row has a block in every column.
             for (&column, &other) in blocks.iter().zip(levers) {
-                if column as usize <= row {
+                if column as usize <= row && !left_out(column) {
                     add_column(column as usize, other);
                 }
             }
@@ -131,9 +169,9 @@ pub fn gather_contacts(
         let Some(body) = contact.body else {
             continue;
         };
-        let columns = pattern.columns().row(row);
+        let columns = terms.pattern.columns().row(row);
         for (column, &other) in (2 * body..2 * body + 2).zip(&levers[blocks.len()..]) {
-            if column as usize <= row {
+            if column as usize <= row && !left_out(column) {
                 add_column(columns.partition_point(|&c| c < column), other);
             }
         }
@@ -189,6 +227,7 @@ mod tests {
             arms: &arms[points.skinning.range(i)],
             basis: points.basis.row(i),
             tangent: &tangents[i],
+            prescribed: &[],
         };
         let stored: Vec<Vec<DMat3>> = (0..points.len())
             .map(|i| {

@@ -50,7 +50,9 @@ use crate::Result;
 use crate::math::{Rows, Stopwatch, in_pool, par_each, par_split};
 use crate::model::{Avatar, BasisEntry, Space, State};
 use crate::potential::checks::Checks;
-use crate::potential::{BlockPattern, Evaluation, EvaluationTimings, Potential, StepStart, Trial};
+use crate::potential::{
+    BlockPattern, Evaluation, EvaluationTimings, Potential, StepEnd, StepStart, Trial,
+};
 use asset::Asset;
 use evaluate::Instance;
 use glam::DVec3;
@@ -92,6 +94,11 @@ impl<B: Basis> CpuPotential<B> {
             instances: (0..instances).map(|_| Instance::new(&asset)).collect(),
             asset,
         })
+    }
+
+    /// Whether `block` is a prescribed frame's in the step that `instance` has begun.
+    fn is_prescribed(&self, instance: usize, block: usize) -> bool {
+        point_hessian::is_prescribed(&self.instances[instance].step.prescribed, block)
     }
 
     fn has_begun(&self, instance: usize) -> bool {
@@ -157,7 +164,30 @@ impl<B: Basis> Potential for CpuPotential<B> {
             });
         });
         for i in (0..states.len()).filter(|&i| active[i]) {
-            Instance::check(&out[i])?;
+            Instance::check(&out[i].energies, &out[i].gradient)?;
+        }
+        Ok(())
+    }
+
+    async fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> Result<()> {
+        self.checks
+            .states(states, wanted, out.len(), |i| self.has_begun(i))?;
+        let asset = &self.asset;
+        in_pool(|| {
+            let parts = (&mut self.instances[..], &mut *out);
+            par_split(states.len(), 1, parts, |i, (instance, out)| {
+                if wanted[i] {
+                    instance.end_step(asset, &states[i], out);
+                }
+            });
+        });
+        for i in (0..states.len()).filter(|&i| wanted[i]) {
+            Instance::check(&out[i].energies, &out[i].frame_gradient)?;
         }
         Ok(())
     }

@@ -41,9 +41,17 @@ pub struct PointView<'a, B> {
     pub basis: &'a [B],
     /// w C, J.
     pub tangent: &'a Mat9,
+    /// By frame: whose blocks are left out.
+    pub prescribed: &'a [bool],
 }
 
-/// Hands the blocks (`local`, b) for b = 0..=`local` to `each`, in order, each column by column.
+/// Whether `block` is one of a prescribed frame's.
+pub fn is_prescribed(prescribed: &[bool], block: usize) -> bool {
+    prescribed.get(block / 2).is_some_and(|p| *p)
+}
+
+/// Hands the blocks (`local`, b) for b = 0..=`local`, less those of prescribed frames, to `each`, in order, each column
+/// by column.
 #[inline]
 pub fn hessian_row<B: Basis>(
     point: &PointView<'_, B>,
@@ -61,6 +69,9 @@ pub fn hessian_row<B: Basis>(
     for (k, (w, &other)) in point.skinning.iter().zip(point.arms).enumerate() {
         if 2 * k > local {
             break;
+        }
+        if is_prescribed(point.prescribed, 2 * w.bone as usize) {
+            continue;
         }
         let translation = if is_rotation {
             skew(arm * (inertia * w.weight))
@@ -88,6 +99,9 @@ fn handle_row<B: Basis>(point: &PointView<'_, B>, h: usize, mut each: impl FnMut
     let own = &point.basis[h];
     let x = own.after(point.terms.blended).transpose();
     for (k, (w, a)) in point.skinning.iter().zip(point.arms).enumerate() {
+        if is_prescribed(point.prescribed, 2 * w.bone as usize) {
+            continue;
+        }
         each(2 * k, (x * w.weight).to_cols_array());
         // −X [a]×
         each(

@@ -4,6 +4,7 @@ use super::asset::Asset;
 use super::displacement::{displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
 use super::{Basis, Motion};
+use crate::material::MaterialPoint;
 use crate::math::{Mat9, Strided, par_split};
 use crate::potential::cpu::begin_step::POINT_GRAIN;
 use glam::{DMat3, DVec3};
@@ -42,13 +43,14 @@ impl PointStarts {
     }
 
     /// The starts of a step with the pose `feature` of qⁿ, the displacements `previous` of qⁿ⁻¹, and `motion` from qⁿ⁻¹
-    /// to qⁿ.
-    pub fn begin<B: Basis>(
+    /// to qⁿ, each point being of its `tissue`.
+    pub fn begin<'t, B: Basis>(
         &mut self,
         asset: &Asset<B>,
         feature: &[f64],
         previous: &[DVec3],
         motion: &Motion,
+        tissue: impl Fn(usize) -> MaterialPoint<'t> + Sync,
     ) {
         let (columns, position) = (&asset.cubature_columns, &asset.avatar.cubature.position);
         let parts = (
@@ -64,10 +66,7 @@ impl PointStarts {
                 *point = point_start(asset, previous, motion, i, *rest);
             }
             for ((i, tangent), point) in (first..).zip(tangents).zip(&*points) {
-                *tangent = asset
-                    .avatar
-                    .tissue_at(i)
-                    .projected_tangent(point.deformation_gradient);
+                *tangent = tissue(i).projected_tangent(point.deformation_gradient);
             }
         });
     }

@@ -28,6 +28,7 @@ pub(super) async fn begin_step(
         }
         // Once there was friction, every start's list is made anew.
         potential.has_friction |= start.colliders.iter().any(|c| c.friction > 0.0);
+        potential.has_prescribed |= start.prescribed.contains(&true);
         // Likewise once more pairs might touch than there is room for.
         let pairs = start.colliders.len() * potential.avatar.skin.len();
         potential.selects |= pairs > potential.options.contacts;
@@ -36,14 +37,15 @@ pub(super) async fn begin_step(
     potential.features.clear();
     for (i, start) in starts.iter().enumerate().filter(|(i, _)| active[*i]) {
         let origin = start.current.frames[0].position;
-        let h = start.time_step;
+        let (h, factors) = (start.time_step, start.factors);
         let batch_state = BatchState {
-            gravity: start.tissue_gravity.as_vec3().to_array(),
+            gravity: pack::round(factors.gravity * start.tissue_gravity),
             mass_rate: (1.0 / (h * h)) as f32,
-            damping_rate: (potential.avatar.damping_time / h) as f32,
+            damping_rate: (factors.damping * potential.avatar.damping_time / h) as f32,
             instance: i as u32,
             colliders: start.colliders.len() as u32,
             smoothing: (start.slip_speed * h) as f32,
+            stiffness: factors.stiffness as f32,
             ..BatchState::default()
         };
         let first = i * potential.options.colliders;
@@ -51,7 +53,13 @@ pub(super) async fn begin_step(
             potential.colliders.clear();
             for collider in start.colliders {
                 let grid = potential.buffers.grids.index(&potential.queue, collider)?;
-                (potential.colliders).push(pack::collider(collider, origin, end, grid));
+                (potential.colliders).push(pack::collider(
+                    collider,
+                    factors.friction,
+                    origin,
+                    end,
+                    grid,
+                ));
             }
             let buffer = match end {
                 false => &potential.buffers.common.previous_colliders,
@@ -76,6 +84,7 @@ pub(super) async fn begin_step(
             origin,
             current: start.current.clone(),
             batch_state,
+            prescribed: start.prescribed.to_vec(),
             geometric: start
                 .geometric_contact
                 .then(|| pose_feature(&potential.avatar.skeleton.parents, &start.current.frames)),

@@ -4,8 +4,9 @@ use super::dispatch::CHUNK_STRIDE;
 use super::grids::Grids;
 use super::options::GpuOptions;
 use super::shared::{
-    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, Influence, Lagged,
-    LocalTissue, Mat3, Motion, PartialEnergy, PatternBlock, Point, SkinVertex, Summary, Tangent,
+    BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, HessianSegment,
+    Influence, Lagged, LocalTissue, Mat3, Motion, PartialEnergy, Point, SkinVertex, Summary,
+    Tangent,
 };
 use super::sizes::Sizes;
 use super::tables::{PointTable, Tables};
@@ -36,7 +37,7 @@ buffers! {
         handle_gradients: HandleGradient = holding(&tables.cubature.gradients),
         gather_rows: u32 = holding(tables.gather.offsets()),
         gather_entries: u32 = holding(tables.gather.entries()),
-        pattern: PatternBlock = holding(&tables.pattern_blocks),
+        hessian_segments: HessianSegment = holding(&tables.hessian_segments),
         gather_pairs: u32 = holding(&tables.gather_pairs),
         vertex_blocks: u32 = holding(&tables.vertex_blocks),
         one_ring_rows: u32 = holding(tables.one_ring.offsets()),
@@ -44,6 +45,8 @@ buffers! {
         // Written by the host.
         batch: BatchState = zeroed(n.states),
         pose_features: f32 = zeroed(n.states * n.features),
+        /// A bit for each frame.
+        prescribed: u32 = zeroed(n.states * n.frame_words),
         frames: Frame = zeroed(n.slots * n.bones),
         handles: Handle = zeroed(n.slots * n.handles),
         colliders: Collider = zeroed(n.instances * n.colliders),

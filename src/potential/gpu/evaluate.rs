@@ -40,6 +40,7 @@ pub(super) async fn evaluate(
         return Ok(());
     }
     potential.upload(instances);
+    potential.upload_prescribed();
     let summary_bytes = (count * size_of::<Summary>()) as u64;
     let stride = potential.buffers.sizes.result;
     let contacts_at = summary_bytes + (4 * count * stride) as u64;
@@ -134,7 +135,8 @@ pub(super) async fn evaluate(
         .await?
 }
 
-fn float(bytes: &[u8]) -> f32 {
+/// The number in four bytes.
+pub(super) fn float(bytes: &[u8]) -> f32 {
     bytemuck::pod_read_unaligned(bytes)
 }
 

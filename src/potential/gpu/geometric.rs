@@ -46,7 +46,7 @@ pub(super) fn geometric_terms(
             stiffness: row.stiffness.into(),
         };
         add_geometric(
-            &potential.pattern,
+            (&potential.pattern, &start.prescribed),
             &row,
             &vertex,
             joints,

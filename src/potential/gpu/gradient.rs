@@ -13,6 +13,15 @@ pub(super) struct Gradient {
     gradient: Kernel,
     groups: u32,
     blocks: u32,
+    frame_blocks: u32,
+}
+
+impl Gradient {
+    /// By frames alone, for which stresses do not matter.
+    pub fn dispatch_frames(&self, pass: &mut wgpu::ComputePass<'_>, batch: Batch) {
+        batch.dispatch(&self.point_gradient, pass, self.groups);
+        batch.dispatch(&self.gradient, pass, self.frame_blocks);
+    }
 }
 
 impl Stage for Gradient {
@@ -29,6 +38,7 @@ impl Stage for Gradient {
             gradient: kernel("gradient")?,
             groups: workgroups(buffers.sizes.points),
             blocks: buffers.sizes.blocks as u32,
+            frame_blocks: 2 * buffers.sizes.bones as u32,
         })
     }
 

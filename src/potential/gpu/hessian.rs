@@ -6,7 +6,7 @@ use super::stage::Stage;
 use crate::Result;
 use crate::gpu::{Kernel, Module};
 
-/// The stored blocks of the Hessian.
+/// The stored blocks of the Hessian, the terms of each in as many threads as its segments.
 #[derive(Debug)]
 pub(super) struct Hessian {
     hessian: Kernel,
@@ -19,7 +19,7 @@ impl Stage for Hessian {
     fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
             hessian: module.kernel(device, "hessian", &buffers.over_cubature())?,
-            groups: workgroups(buffers.sizes.pattern_blocks),
+            groups: workgroups(buffers.sizes.hessian_segments),
         })
     }
 

@@ -7,7 +7,7 @@
 //!   `buffers` are the memory.
 //! - **The stages.** `stage` is what they have in common; then one file a kernel; `stages` is all of them.
 //! - **A step.** `potential` is what is made once, `upload` sends states, `begin_step`, `geometric` and `evaluate`,
-//!   `energy_differences` and `pose_skin` submit the stages and read back; `profile` times them one by one.
+//!   `end_step`, `energy_differences` and `pose_skin` submit the stages and read back; `profile` times them one by one.
 
 // What the kernels see.
 mod pack;
@@ -42,6 +42,7 @@ mod stages;
 
 // A step.
 mod begin_step;
+mod end_step;
 mod energy_differences;
 mod evaluate;
 mod geometric;
@@ -57,7 +58,7 @@ pub use stages::modules;
 
 use crate::Result;
 use crate::model::{Space, State};
-use crate::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
+use crate::potential::{BlockPattern, Evaluation, Potential, StepEnd, StepStart, Trial};
 use glam::DVec3;
 
 impl Potential for GpuPotential {
@@ -88,6 +89,15 @@ impl Potential for GpuPotential {
         out: &mut [Evaluation],
     ) -> Result<()> {
         evaluate::evaluate(self, states, active, out).await
+    }
+
+    async fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> Result<()> {
+        end_step::end_step(self, states, wanted, out).await
     }
 
     async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {

@@ -46,10 +46,11 @@ pub(super) fn handles<'a>(base: &'a State, state: &'a State) -> impl Iterator<It
         })
 }
 
-/// A collider at the end of the step or, else, at its start, seen from `origin`. The frame of a mesh is moved to the
+/// A collider at the end of the step or, else, at its start, seen from `origin`, its μ times `friction`. The frame of a mesh is moved to the
 /// first node of its grid, the `grid`th on the device.
 pub(super) fn collider(
     collider: &collider::Collider,
+    friction: f64,
     origin: DVec3,
     end: bool,
     grid: usize,
@@ -81,7 +82,7 @@ pub(super) fn collider(
         parameters,
         margin: collider.margin as f32,
         shape: collider.shape.index(),
-        friction: collider.friction as f32,
+        friction: (friction * collider.friction) as f32,
         body: collider.body.map_or(0, |frame| frame + 1),
         rotation_change: columns(frame.rotation - previous.rotation),
         position_change: round(frame.position - previous.position),

@@ -25,6 +25,8 @@ pub(super) struct Start {
     pub current: State,
     /// A state of this instance in a batch, without its slots.
     pub batch_state: BatchState,
+    /// Which frames are prescribed; empty where none is.
+    pub prescribed: Vec<bool>,
     /// Pose feature of qⁿ where the geometric terms of contact are wanted.
     pub geometric: Option<Vec<f64>>,
 }
@@ -45,6 +47,8 @@ pub struct GpuPotential {
     pub(super) has_friction: bool,
     /// Whether more pairs of vertex and collider than there is room for might have touched so far.
     pub(super) selects: bool,
+    /// Whether any frame has been prescribed so far.
+    pub(super) has_prescribed: bool,
     pub(super) options: GpuOptions,
     pub(super) buffers: Buffers,
     pub(super) stages: Stages,
@@ -60,6 +64,7 @@ pub struct GpuPotential {
     pub(super) handles: Vec<Handle>,
     pub(super) colliders: Vec<Collider>,
     pub(super) features: Vec<f32>,
+    pub(super) prescribed: Vec<u32>,
 }
 
 impl GpuPotential {
@@ -101,10 +106,12 @@ impl GpuPotential {
             handles: Vec::with_capacity(buffers.common.handles.len()),
             colliders: Vec::with_capacity(options.colliders),
             features: Vec::with_capacity(buffers.common.pose_features.len()),
+            prescribed: Vec::with_capacity(buffers.common.prescribed.len()),
             pattern: tables.pattern,
             checks: Checks::new(&avatar, instances),
             has_friction: false,
             selects: false,
+            has_prescribed: false,
             name: device.adapter_info().name,
             device: device.clone(),
             queue: queue.clone(),

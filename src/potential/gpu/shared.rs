@@ -59,8 +59,10 @@ host_shareable! {
         pub colliders: u32,
         /// ε = ε_v h, m.
         pub smoothing: f32,
+        /// Factor on the tissue's stiffness.
+        pub stiffness: f32,
         /// Padding.
-        pub _pad: [u32; 2],
+        pub _pad: u32,
     }
 
     /// Which states of a batch a dispatch takes (kernels/shared/batch.wgsl).
@@ -241,8 +243,10 @@ host_shareable! {
         pub _pad: [u32; 3],
     }
 
-    /// A stored block of the Hessian and its terms (kernels/hessian.wgsl).
-    pub struct PatternBlock {
+    /// Some of the terms of a stored block of the Hessian (kernels/hessian.wgsl).
+    pub struct HessianSegment {
+        /// Which stored block.
+        pub block: u32,
         /// Block row.
         pub row: u32,
         /// Block column.
@@ -251,6 +255,8 @@ host_shareable! {
         pub first: u32,
         /// The end of its terms.
         pub end: u32,
+        /// Segments of the block, of its first one; 0 of the others, and of those that only fill up a workgroup.
+        pub count: u32,
     }
 
     /// Energies, J, and the contact force, N (kernels/energy.wgsl).
@@ -316,7 +322,7 @@ pub const SHARED_STRUCTS: &[StructLayout<'static>] = &[
     Collider::LAYOUT,
     Contact::LAYOUT,
     Lagged::LAYOUT,
-    PatternBlock::LAYOUT,
+    HessianSegment::LAYOUT,
     PartialEnergy::LAYOUT,
     Summary::LAYOUT,
     SkinVertex::LAYOUT,

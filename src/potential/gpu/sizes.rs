@@ -34,6 +34,10 @@ pub(super) struct Sizes {
     pub blocks: usize,
     /// Stored blocks of the Hessian.
     pub pattern_blocks: usize,
+    /// Threads that gather them.
+    pub hessian_segments: usize,
+    /// Words of a bit for each bone.
+    pub frame_words: usize,
     /// Σ of the blocks of every cubature point.
     pub local_blocks: usize,
     /// Σ of the pairs of blocks of every cubature point.
@@ -92,6 +96,8 @@ impl Sizes {
             features: (avatar.cubature.pose_blend.features).max(avatar.skin.pose_blend.features),
             blocks: space.blocks(),
             pattern_blocks: tables.pattern.len(),
+            hessian_segments: tables.hessian_segments.len(),
+            frame_words: space.frames.div_ceil(32),
             local_blocks: cubature.blocks.entries().len(),
             local_pairs: cubature.pairs,
             colliders: options.colliders,
@@ -102,7 +108,7 @@ impl Sizes {
             result: space.dofs() + 9 * tables.pattern.len(),
         };
         check_dispatch(device, "cubature points", points)?;
-        let hessian_groups = workgroups(sizes.pattern_blocks) as usize;
+        let hessian_groups = workgroups(sizes.hessian_segments) as usize;
         check_dispatch(device, "workgroups of the Hessian", hessian_groups)?;
         check_dispatch(device, "states in a submission", states)?;
         Ok(sizes)

@@ -1,7 +1,7 @@
 //! Constant tables made once from the avatar: who moves whom, and which terms go where.
 
 use super::pack::{columns, round};
-use super::shared::{HandleGradient, Influence, LocalTissue, PatternBlock, Point};
+use super::shared::{HandleGradient, HessianSegment, Influence, LocalTissue, Point};
 use crate::math::Rows;
 use crate::model::{Avatar, PointSet, Space};
 use crate::potential::{BlockPattern, point_blocks};
@@ -96,8 +96,8 @@ pub(super) struct Tables {
     pub pattern: BlockPattern,
     /// For every block of q, the points' own blocks that add to it.
     pub gather: Rows<u32>,
-    /// For every stored block of the Hessian, where its terms are.
-    pub pattern_blocks: Vec<PatternBlock>,
+    /// For every thread of kernel `hessian`, which terms it sums.
+    pub hessian_segments: Vec<HessianSegment>,
     /// 2 · pair + transposed, for every term.
     pub gather_pairs: Vec<u32>,
     /// Place + 1 of every block in a vertex's own order, four bytes a word; 0 where it does not move it.
@@ -135,18 +135,9 @@ impl Tables {
                 }
             }
         }
-        let mut pattern_blocks = Vec::with_capacity(terms.len());
-        let mut gather_pairs = Vec::new();
-        for ((row, column), terms) in pattern.blocks().zip(&terms) {
-            let first = gather_pairs.len() as u32;
-            gather_pairs.extend(terms);
-            pattern_blocks.push(PatternBlock {
-                row: row as u32,
-                column: column as u32,
-                first,
-                end: gather_pairs.len() as u32,
-            });
-        }
+        let counts = terms.iter().map(Vec::len);
+        let hessian_segments = hessian_segments(pattern.blocks().zip(counts));
+        let gather_pairs = terms.concat();
 
         let words = space.blocks().div_ceil(4);
         let mut vertex_blocks = vec![0u32; words * skin.points.len()];
@@ -170,12 +161,48 @@ impl Tables {
             tissue: local_tissue(avatar),
             pattern,
             gather: gather.into_iter().collect(),
-            pattern_blocks,
+            hessian_segments,
             gather_pairs,
             vertex_blocks,
             one_ring: one_ring.into_iter().collect(),
         })
     }
+}
+
+/// Terms that one thread sums, if a workgroup has room for the block's others: 7 is the median of a hand's, and up to 422
+/// in one thread make all others wait.
+const SEGMENT: usize = 16;
+/// Threads of a workgroup of hessian.wgsl.
+const HESSIAN_GROUP: usize = 64;
+
+/// The segments of stored blocks with these places and numbers of terms. Those of a block are in one workgroup, in order.
+fn hessian_segments(blocks: impl Iterator<Item = ((usize, usize), usize)>) -> Vec<HessianSegment> {
+    let mut out: Vec<HessianSegment> = Vec::new();
+    let mut first = 0;
+    for (block, ((row, column), terms)) in blocks.enumerate() {
+        let length = SEGMENT.max(terms.div_ceil(HESSIAN_GROUP));
+        let count = terms.div_ceil(length).max(1);
+        if out.len() % HESSIAN_GROUP + count > HESSIAN_GROUP {
+            out.resize(
+                out.len().next_multiple_of(HESSIAN_GROUP),
+                HessianSegment::default(),
+            );
+        }
+        out.extend((0..count).map(|k| HessianSegment {
+            block: block as u32,
+            row: row as u32,
+            column: column as u32,
+            first: (first + k * length) as u32,
+            end: (first + terms.min((k + 1) * length)) as u32,
+            count: if k == 0 { count as u32 } else { 0 },
+        }));
+        first += terms;
+    }
+    out.resize(
+        out.len().next_multiple_of(HESSIAN_GROUP),
+        HessianSegment::default(),
+    );
+    out
 }
 
 fn local_tissue(avatar: &Avatar) -> Vec<LocalTissue> {

@@ -48,6 +48,25 @@ impl GpuPotential {
         self.features.extend(feature.iter().map(|&f| f as f32));
     }
 
+    /// Sends which frames are prescribed in each state of the batch.
+    pub(super) fn upload_prescribed(&mut self) {
+        if !self.has_prescribed {
+            return;
+        }
+        let words = self.buffers.sizes.frame_words;
+        self.prescribed.clear();
+        for state in &self.batch {
+            let first = self.prescribed.len();
+            self.prescribed.resize(first + words, 0);
+            let start = self.starts[state.instance as usize].as_ref();
+            let prescribed = start.map_or(&[][..], |start| &start.prescribed);
+            for (frame, prescribed) in prescribed.iter().enumerate() {
+                self.prescribed[first + frame / 32] |= u32::from(*prescribed) << (frame % 32);
+            }
+        }
+        (self.buffers.common.prescribed).write(&self.queue, 0, &self.prescribed);
+    }
+
     /// Sends the uploads; states go to consecutive slots from `slot` on.
     pub(super) fn upload(&self, slot: usize) {
         let (space, buffers) = (self.avatar.space(), &self.buffers.common);

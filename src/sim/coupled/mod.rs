@@ -65,7 +65,7 @@ impl Coupled {
                 let minimisation = &mut minimisations[i];
                 minimisation.step.copy_from_slice(&self.parts[i].step);
                 minimisation.solved =
-                    finish(systems.pattern(i), minimisation, iterates, i, shared.solved);
+                    finish(minimisation, iterates, i, shared.solved);
             }
             let reports = || of_group.iter().map(|&i| &minimisations[i].report);
             let decrement = reports().map(|r| r.decrement).sum();
@@ -231,7 +231,6 @@ impl Shared {
 
 /// Completes a member's iteration with the step that has been solved for.
 fn finish(
-    pattern: &BlockPattern,
     minimisation: &mut Minimisation,
     iterates: &Iterates,
     member: usize,
@@ -244,7 +243,7 @@ fn finish(
         system: "Newton system of avatars that touch common bodies",
         problem: "not positive definite, even with its scaled diagonal doubled".into(),
     })?;
-    minimisation.finish(pattern, evaluation, energies, solved)
+    minimisation.finish(evaluation, energies, solved)
 }
 
 /// H_ii of a packed Hessian.

@@ -8,14 +8,7 @@ use supple::internal::gpu::{Sources, modules};
 use supple::material::Material;
 
 /// Structs that no buffer holds: they live in registers only.
-const LOCAL_STRUCTS: &[&str] = &[
-    "Eigen",
-    "SingularValues",
-    "SignedDistance",
-    "Fibres",
-    "Matrix9",
-    "Run",
-];
+const LOCAL_STRUCTS: &[&str] = &["Eigen", "SingularValues", "SignedDistance", "Fibres", "Run"];
 
 /// The names of the shared structs in the kernels of `material`, or the first that lies elsewhere than on the host.
 fn compared(material: &Material, sources: &Sources) -> Result<HashSet<&'static str>, String> {

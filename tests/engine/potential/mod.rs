@@ -4,6 +4,8 @@ mod cpu;
 mod derivatives;
 mod energies;
 #[cfg(feature = "gpu")]
+mod fxc;
+#[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(feature = "gpu")]
 mod kernels;

@@ -120,6 +120,38 @@ fn solves_to_rounding_and_leaves_fixed_dofs() {
     }
 }
 
+/// What a solver has solved before leaves no trace, and blocks of fixed DoFs are nothing to it.
+#[test]
+fn fixed_dofs_are_not_in_the_dense_matrix() {
+    let pattern = pattern();
+    let hessian = definite(&pattern, 300.0, 0.05);
+    let dofs = pattern.space().dofs();
+    let gradient = gradient(dofs);
+    // The second bone, which handles move with, and a handle; then none; then single DoFs.
+    let blocks: Vec<bool> = (0..dofs)
+        .map(|i| (6..12).contains(&i) || (30..33).contains(&i))
+        .collect();
+    let mut kept = DenseCholesky::new(&pattern);
+    for fixed in [blocks.clone(), vec![false; dofs], some_fixed(dofs), blocks] {
+        let mut other = hessian.clone();
+        for (block, (row, column)) in other.iter_mut().zip(pattern.blocks()) {
+            for (k, entry) in block.iter_mut().enumerate() {
+                if fixed[3 * row + k % 3] || fixed[3 * column + k / 3] {
+                    *entry = 1e3;
+                }
+            }
+        }
+        let solve = |solver: &mut DenseCholesky, hessian: &[[f64; 9]]| {
+            let mut step = vec![f64::NAN; dofs];
+            let report = solver.solve(hessian, &gradient, &fixed, &mut step).unwrap();
+            (step, report)
+        };
+        let expected = solve(&mut DenseCholesky::new(&pattern), &hessian);
+        assert_eq!(solve(&mut kept, &hessian), expected);
+        assert_eq!(solve(&mut kept, &other), expected);
+    }
+}
+
 #[test]
 fn ill_conditioned_systems_go_to_double_precision() {
     let pattern = pattern();

@@ -3,7 +3,7 @@
 use supple::glam::{DMat3, DVec3};
 use supple::internal::random_avatar;
 use supple::model::{Avatar, Space, State};
-use supple::potential::{BlockPattern, Evaluation, Potential, StepStart, Trial};
+use supple::potential::{BlockPattern, Evaluation, Potential, StepEnd, StepStart, Trial};
 use supple::sim::{Iteration, Pin, Settings, Simulation, SolverMode, StepReport, Stop};
 use supple::{Error, Result};
 
@@ -76,6 +76,18 @@ impl Potential for Toy {
                 let scaled = out[i].hessian.iter().map(|b| b.map(|h| factor * h));
                 out[i].geometric = scaled.collect();
             }
+        }
+        Ok(())
+    }
+    async fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> Result<()> {
+        for i in (0..states.len()).filter(|&i| wanted[i]) {
+            out[i].energies.elastic = self.energy(&states[i]) - self.energy(&self.base[i]);
+            out[i].frame_gradient = vec![0.0; 6 * states[i].frames.len()];
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
+use supple::internal::cpu::mechanics;
 use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame};
 use supple::potential::CpuPotential;
@@ -182,5 +183,66 @@ fn the_wrists_load_is_contact_and_weight() -> Result<()> {
             "{missing} N is missing"
         );
     }
+    Ok(())
+}
+
+/// Whatever a pinned bone and a collider do, and after one iteration of Newton's method as after many: what holds the bone
+/// is the contact, the weight and the change of momentum, all at the state that the step ends with.
+#[test]
+fn a_pins_load_balances_contact_weight_and_momentum_in_every_step() -> Result<()> {
+    let mut most = 0.0f64;
+    for (captured, solver) in [
+        (false, SolverMode::OneIteration),
+        (true, SolverMode::OneIteration),
+        (false, SolverMode::CONVERGED),
+    ] {
+        let avatar = support::full_space_limb(&support::SMALL, 1, captured);
+        let settings = Settings {
+            solver,
+            ..Settings::default()
+        };
+        let mut simulation = simulation(&avatar, settings);
+        let instance = &mut simulation.instances_mut()[0];
+        instance.factors.gravity = 0.5;
+        instance.factors.stiffness = 1.5;
+        let frame = instance.state.frames[0];
+        instance.pins.push(Pin { bone: 0, frame });
+        let shape = Shape::Box {
+            half_extents: [0.1; 3],
+        };
+        let plate = |z: f64| Frame {
+            position: DVec3::new(0.1, 0.0, z),
+            rotation: DMat3::IDENTITY,
+        };
+        instance.colliders.push(Collider {
+            friction: 0.5,
+            ..Collider::new(shape, plate(0.14))
+        });
+        let mut momentum = DVec3::ZERO;
+        for step in 1..=40 {
+            let time = step as f64 * settings.time_step;
+            let before = simulation.instances()[0].state.clone();
+            let instance = &mut simulation.instances_mut()[0];
+            instance.colliders[0].frame = plate(0.14 - 0.02 * time);
+            instance.pins[0].frame.position =
+                frame.position + DVec3::X * 0.002 * (20.0 * time).sin();
+            let report = simulation.step_blocking()?.instances.remove(0);
+            let after = &simulation.instances()[0].state;
+            let moves = mechanics(&avatar, &before, after, settings.time_step, DVec3::ZERO);
+            let change = (moves.momentum - momentum) / settings.time_step;
+            momentum = moves.momentum;
+            let borne = report.contact_force + report.weight + report.loads[0].force;
+            let missing = (borne - change).length();
+            assert!(
+                missing < 1e-9 * (1.0 + report.contact_force.length()),
+                "{missing} N in step {step}"
+            );
+            let whole: f64 = avatar.bone_masses[0].second_moment[3][3];
+            let weight = 9.81 * (whole + 0.5 * avatar.tissue_mass());
+            assert!((report.weight.z + weight).abs() < 1e-9 * weight);
+            most = most.max(report.contact_force.length());
+        }
+    }
+    assert!(most > 5.0, "pressed with {most} N only");
     Ok(())
 }

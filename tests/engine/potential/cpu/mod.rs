@@ -9,7 +9,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::random_avatar;
 use supple::model::{Avatar, Frame, State};
-use supple::potential::StepStart;
+use supple::potential::{StepStart, TissueFactors};
 
 fn avatar() -> Arc<Avatar> {
     Arc::new(random_avatar(7, 4, 12, 90, 300))
@@ -35,5 +35,7 @@ fn start<'a>(previous: &'a State, current: &'a State, colliders: &'a [Collider])
         tissue_gravity: DVec3::ZERO,
         slip_speed: 1e-3,
         geometric_contact: false,
+        factors: TissueFactors::default(),
+        prescribed: &[],
     }
 }

@@ -8,7 +8,7 @@ use supple::internal::math::Random;
 use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, PoseBlend, State};
-use supple::potential::{CpuPotential, Potential, StepStart};
+use supple::potential::{CpuPotential, Potential, StepStart, TissueFactors};
 
 /// What a case is made of.
 pub struct Case {
@@ -18,6 +18,7 @@ pub struct Case {
     pub tissue_gravity: DVec3,
     pub colliders: Vec<Collider>,
     pub slip_speed: f64,
+    pub factors: TissueFactors,
 }
 
 pub fn soft(youngs_modulus: f64) -> Material {
@@ -76,6 +77,14 @@ fn with_body(mut avatar: Avatar) -> Avatar {
     avatar
 }
 
+/// None of them 1.
+pub fn factors() -> TissueFactors {
+    let mut factors = TissueFactors::default();
+    (factors.stiffness, factors.damping) = (1.5, 0.5);
+    (factors.gravity, factors.friction) = (2.0, 0.75);
+    factors
+}
+
 pub fn cases() -> Vec<Case> {
     let random = &mut Random::new(11);
     let avatar = |density: f64, material: Material, damping_time: f64| Avatar {
@@ -92,6 +101,7 @@ pub fn cases() -> Vec<Case> {
         tissue_gravity,
         colliders,
         slip_speed: 1e-3,
+        factors: TissueFactors::default(),
     };
     // A term is alone where the others' factors are made negligible.
     let none = 1e-15;
@@ -191,12 +201,8 @@ impl Case {
         ]
     }
 
-    pub fn begun<B: supple::internal::cpu::Basis>(
-        &self,
-        mut potential: CpuPotential<B>,
-    ) -> CpuPotential<B> {
-        let [previous, current, _] = &self.states();
-        let start = StepStart {
+    pub fn start<'a>(&'a self, previous: &'a State, current: &'a State) -> StepStart<'a> {
+        StepStart {
             time_step: self.time_step,
             previous,
             current,
@@ -204,7 +210,17 @@ impl Case {
             tissue_gravity: self.tissue_gravity,
             slip_speed: self.slip_speed,
             geometric_contact: true,
-        };
+            factors: self.factors,
+            prescribed: &[],
+        }
+    }
+
+    pub fn begun<B: supple::internal::cpu::Basis>(
+        &self,
+        mut potential: CpuPotential<B>,
+    ) -> CpuPotential<B> {
+        let [previous, current, _] = &self.states();
+        let start = self.start(previous, current);
         let count = potential.instances();
         block_on(potential.begin_step(&vec![start; count], &vec![true; count])).unwrap();
         potential

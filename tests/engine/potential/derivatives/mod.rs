@@ -3,6 +3,8 @@
 
 mod basis;
 mod case;
+mod factors;
+mod prescribed;
 mod terms;
 
 use pollster::block_on;

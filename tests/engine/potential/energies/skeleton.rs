@@ -155,7 +155,7 @@ pub fn terms() -> Vec<Term> {
     let gravity = FrameGravity::new(
         DVec3::new(1.0, 2.0, -9.0),
         &moments,
-        Some(&TissueMoments::new(&avatar)),
+        Some((&TissueMoments::new(&avatar), 1.0)),
         &current,
     );
 

@@ -11,7 +11,7 @@ use supple::internal::math::Random;
 use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, State};
-use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, Trial};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, TissueFactors, Trial};
 
 /// What of a property is left where a term must not be felt.
 const NONE: f64 = 1e-15;
@@ -198,6 +198,8 @@ impl Tissue {
             tissue_gravity: setup.tissue_gravity,
             slip_speed: setup.slip_speed,
             geometric_contact: false,
+            factors: TissueFactors::default(),
+            prescribed: &[],
         };
         block_on(potential.begin_step(&[start], &[true])).unwrap();
         Self { potential, state }

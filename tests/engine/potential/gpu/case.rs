@@ -7,7 +7,9 @@ use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::math::Random;
 use supple::internal::random_state;
 use supple::model::{Avatar, Frame, State};
-use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, StepStart, Trial};
+use supple::potential::{
+    Evaluation, GpuOptions, GpuPotential, Potential, StepEnd, StepStart, TissueFactors, Trial,
+};
 
 pub fn device() -> GpuDevice {
     pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
@@ -22,6 +24,7 @@ pub struct Case {
     pub current: State,
     pub states: [State; 3],
     pub colliders: Vec<Collider>,
+    pub prescribed: Vec<bool>,
 }
 
 pub fn case(seed: u64, avatar: &Avatar) -> Case {
@@ -57,6 +60,10 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
         current,
         states,
         colliders,
+        // Another frame of each.
+        prescribed: (0..avatar.skeleton.len())
+            .map(|frame| frame == seed as usize % avatar.skeleton.len())
+            .collect(),
     }
 }
 
@@ -69,6 +76,8 @@ pub fn start(case: &Case) -> StepStart<'_> {
         tissue_gravity: DVec3::new(0.0, 0.0, -9.81),
         slip_speed: 1e-3,
         geometric_contact: true,
+        factors: TissueFactors::default(),
+        prescribed: &case.prescribed,
     }
 }
 
@@ -78,6 +87,7 @@ pub struct Outcome {
     pub evaluations: Vec<Evaluation>,
     pub differences: Vec<f64>,
     pub skins: Vec<(Vec<DVec3>, Vec<DVec3>)>,
+    pub ends: Vec<StepEnd>,
 }
 
 /// What a batch of the lone runs' cases must give.
@@ -91,6 +101,7 @@ pub fn joined(lone: &[Outcome]) -> Outcome {
     joined
         .skins
         .extend(lone.iter().flat_map(|o| o.skins.clone()));
+    joined.ends.extend(lone.iter().flat_map(|o| o.ends.clone()));
     joined
 }
 
@@ -109,6 +120,12 @@ pub fn run(potential: &mut impl Potential, cases: &[&Case]) -> Outcome {
                 .unwrap();
             out.evaluations.extend(evaluations);
         }
+        out.ends = vec![StepEnd::default(); cases.len()];
+        let states: Vec<State> = cases.iter().map(|c| c.states[1].clone()).collect();
+        potential
+            .end_step(&states, &active, &mut out.ends)
+            .await
+            .unwrap();
         let trials: Vec<Trial<'_>> = [(0, 1), (1, 2)]
             .into_iter()
             .flat_map(|(from, to)| {

@@ -164,6 +164,27 @@ fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {
         let force = (got.contact_force - want.contact_force).length();
         assert!(force <= tolerance * want.contact_force.length());
     }
+    // A step's end is the evaluation's part by frames, of the same kernels.
+    let (end, whole) = (&got.ends[0], &got.evaluations[1]);
+    assert_eq!(
+        end.frame_gradient,
+        whole.gradient[..6 * avatar.skeleton.len()]
+    );
+    assert_eq!(end.energies, whole.energies);
+    assert_eq!(end.contact_force, whole.contact_force);
+    assert_eq!(
+        (end.contacts, end.contacts_left_out),
+        (whole.contacts, whole.contacts_left_out)
+    );
+    let zero = (got.evaluations[0]
+        .hessian
+        .iter()
+        .filter(|b| **b == [0.0; 9]))
+    .count();
+    assert!(
+        zero >= 4 * avatar.skeleton.len(),
+        "{zero} blocks of the prescribed frame"
+    );
     for (got, want) in got.skins[0].0.iter().zip(&want.skins[0].0) {
         assert!((*got - *want).length() < 1e-7, "skin: {got} and {want}");
     }

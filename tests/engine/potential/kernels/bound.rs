@@ -2,12 +2,19 @@
 //!
 //! A sum of products whose longest path from an input to the result has k roundings is computed in f32 to
 //! within γ_k Σ|terms| (Higham, Accuracy and Stability of Numerical Algorithms, §3.1), γ_k = k u/(1 − k u),
-//! u = 2⁻²⁴. Every check states its k, and takes Σ|terms| from the same formula on absolute values.
+//! u = 2⁻²⁴. WGSL rounds sums and products correctly, quotients and square roots not ([`QUOTIENT`], [`ROOT`]). Every check states its k, and takes Σ|terms| from the same formula on absolute values.
 
 use supple::glam::{DMat3, DVec3};
 
 /// Unit roundoff of f32.
 pub const U: f64 = 1.0 / (1 << 24) as f64;
+
+/// A quotient: WGSL allows it 2.5 ulp, each of which is up to two roundings.
+pub const QUOTIENT: usize = 5;
+/// A square root: as accurate as 1/inverseSqrt(x), which is a quotient and 2 ulp.
+pub const ROOT: usize = 4 + QUOTIENT;
+/// |v|: a square and two sums (3 on the longest path), of which the root halves what they are off by, and the root.
+pub const LENGTH: usize = 2 + ROOT;
 
 /// What a check says: what differs, and by how much.
 pub type Outcome = Result<(), String>;

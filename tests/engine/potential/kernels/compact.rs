@@ -1,7 +1,7 @@
 //! Kernel compact: the rows of the active contacts, and the rows of each block.
 
 use super::INSTANCE;
-use super::bound::{Comparison, Outcome, abs, abs_cross};
+use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs, abs_cross};
 use super::contact::{candidate, distances};
 use super::friction::{slid, smoothing};
 use super::points::{abs_position, minus_joints, skin_roundings};
@@ -63,8 +63,10 @@ pub fn rows(scene: &Scene, contact: usize) -> Vec<DVec3> {
     rows.iter().map(|r| vec([r[0], r[1], r[2]])).collect()
 }
 
-/// The list is exact but for k a and k a δ (two roundings) and friction's slopes: with |u|/|u_T| the cancellation
-/// in u_T (5), a length (4) and a polynomial (5). Rows: T (n_h + 2), T − J, a row of R (3), w, a cross product
+/// Friction's slopes, with |u|/|u_T|: the cancellation in u_T (5), a length, and a polynomial (3) of a quotient over another.
+const SLOPES: usize = 5 + LENGTH + 3 + 2 * QUOTIENT;
+
+/// The list is exact but for k a and k a δ (two roundings) and friction's [`SLOPES`]. Rows: T (n_h + 2), T − J, a row of R (3), w, a cross product
 /// (2); or Rᵀe (3), w, the sum over bones, U; or the point (as the skin's), x − c and a cross product.
 pub fn compact(scene: &Scene) -> Outcome {
     let set = &scene.avatar.skin;
@@ -108,10 +110,10 @@ pub fn compact(scene: &Scene) -> Outcome {
         let y = slip.length();
         let cancelled = 1.0 + slip.displacement.length() / y;
         let size = DVec3::splat(2.0 * cancelled);
-        out.vector(got.direction, want.direction, size, 16);
-        out.number(got.force, want.force, contact.limit * cancelled, 16);
+        out.vector(got.direction, want.direction, size, SLOPES);
+        out.number(got.force, want.force, contact.limit * cancelled, SLOPES);
         let slope = 4.0 * contact.limit / y.min(smoothing());
-        out.number(got.stiffness, want.stiffness, slope * cancelled, 16);
+        out.number(got.stiffness, want.stiffness, slope * cancelled, SLOPES);
     }
     levers_agree(scene, &got, &mut out);
     block_lists(scene, &got)?;

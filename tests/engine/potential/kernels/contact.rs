@@ -1,7 +1,7 @@
 //! Kernel contact: distance and normal of every vertex at every collider.
 
 use super::INSTANCE;
-use super::bound::{Comparison, Outcome, abs};
+use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs};
 use super::points::{abs_position, skin_roundings};
 use super::scene::{OPTIONS_COLLIDERS, Phase, Scene, vec};
 use supple::collider::Collider;
@@ -9,7 +9,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::contact as contact_twin;
 use supple::internal::cpu::contact::{Candidate, contact_point, may_touch};
 use supple::internal::cpu::displacement::unposed_displacement;
-use supple::model::Frame;
+use supple::model::{Frame, PointSet};
 
 /// (n, δ) of every vertex at every collider of `slot`, vertex by vertex.
 pub fn distances(scene: &Scene, phase: Phase, slot: usize) -> Vec<[f32; 4]> {
@@ -24,9 +24,16 @@ pub fn is_left_out(depth: f32) -> bool {
     depth < -0.5e38
 }
 
-/// d is 1-Lipschitz: its error is that of the point in the collider's frame (as the skin's, p − c and a row of
-/// R: 4) and of the shape's own lengths (12, square root and division being of 2.5 ulp). n turns by the
-/// curvature ∇²d times the same, and is rotated back (3).
+/// Of a shape's own: two lengths, one in the other, and two sums. A mesh's samples are off by less.
+const SHAPE: usize = 2 * LENGTH + 2;
+
+/// d of vertex `i`: it is 1-Lipschitz, so that its error is that of the point in the collider's frame (as the skin's, p − c
+/// and a row of R: 4, and of R_c R and R_c p + c: 4 more) and of the shape.
+pub fn distance_roundings(set: &PointSet, i: usize) -> usize {
+    skin_roundings(set, i) + 4 + 4 + SHAPE
+}
+
+/// d as [`distance_roundings`] has it. n turns by the curvature ∇²d times the same, is a quotient, and is rotated back (3).
 pub fn contact(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let set = &scene.avatar.skin;
@@ -54,15 +61,19 @@ pub fn contact(scene: &Scene) -> Outcome {
                 let (to_local, abs_place) = abs_place(collider, &frames);
                 let local = to_local.transpose() * (abs_p + abs_place);
                 let magnitude = local.element_sum() + f64::from(sizes) + collider.margin;
-                // A row of R_c R and of R_c p + c: 4 more.
-                let roundings = skin_roundings(set, i) + 4 + 12 + 4;
+                let roundings = distance_roundings(set, i);
                 if !is_left_out(depth) {
                     out.number(f64::from(depth).max(0.0), want.depth, magnitude, roundings);
                 }
                 let curvature = collider.curvature(&place, p).to_cols_array();
                 let curvature = curvature.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let magnitude = DVec3::splat(2.0 + magnitude * curvature);
-                out.vector(vec([x, y, z]), want.normal, magnitude, roundings + 7);
+                out.vector(
+                    vec([x, y, z]),
+                    want.normal,
+                    magnitude,
+                    roundings + QUOTIENT + 3,
+                );
             }
         }
     }

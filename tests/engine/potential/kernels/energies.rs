@@ -1,6 +1,6 @@
 //! The energy kernel: from the step's start, as an evaluation has it, and from any base, as a trial has it.
 
-use super::bound::{Comparison, Outcome, abs};
+use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs};
 use super::contact::distances;
 use super::friction::{slid, smoothing};
 use super::material::Magnitudes;
@@ -24,6 +24,9 @@ fn abs_gradient(basis: &[BasisEntry], handles: &[DVec3]) -> DMat3 {
         .sum()
 }
 
+/// μ λ f₀′/y u_T: a tangential part, a length, a polynomial of a quotient over another, and two products.
+const SLOPE: usize = 5 + LENGTH + 3 + 2 * QUOTIENT + 2;
+
 /// Each term is a polynomial of the state of degree ≤ 6 (the roundings of [`Magnitudes`] cover the others, generously),
 /// then summed in trees: six levels over a workgroup, its partial sums over 64 threads, six levels again.
 pub fn energy(scene: &Scene) -> Outcome {
@@ -41,7 +44,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
     let base_moved = scene.moved(phase, base);
     let start = scene.moved(phase, INSTANCE);
     let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", INSTANCE, set.len());
-    let rate = scene.avatar.damping_time / TIME_STEP;
+    let rate = scene.damping_rate();
 
     let (mut want, mut magnitude) = ([0.0; 6], [0.0; 6]);
     let mut add = |term: usize, value: f64, size: f64| {
@@ -73,7 +76,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         let h = displacement_gradient(basis, &phi);
         let d = displacement_gradient(basis, &change);
         let (abs_h, abs_d) = (abs_gradient(basis, &phi), abs_gradient(basis, &change));
-        let tissue = scene.avatar.tissue_at(i);
+        let tissue = scene.tissue_at(i);
         let magnitudes = Magnitudes::new(tissue, h, abs_h);
         roundings = roundings.max(magnitudes.energy_roundings(basis.len()));
         add(
@@ -138,6 +141,6 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
             return Err(format!("energy {k} of the twin is zero"));
         }
     }
-    out.vector(vec(got.force), force, abs_force, 3 + 5 + 13);
+    out.vector(vec(got.force), force, abs_force, SLOPE + 13);
     out.finish("energies")
 }

@@ -1,7 +1,7 @@
 //! Kernel friction: the contacts of a step's start that have friction, and their slip.
 
 use super::INSTANCE;
-use super::bound::{Comparison, Outcome, abs};
+use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs};
 use super::contact::candidate;
 use super::points::{abs_position, minus_joints, skin_roundings};
 use super::scene::{
@@ -65,11 +65,6 @@ fn unpacked(c: &shared::Lagged) -> Lagged {
     }
 }
 
-/// |v|: three squares and two sums (3 on the longest path), of which the root halves what they are off by, and
-/// the root's own 2.5 ulp.
-const LENGTH: usize = 2 + 5;
-/// A quotient: 2.5 ulp.
-const QUOTIENT: usize = 5;
 /// A row of a matrix times a vector: a product and two sums.
 const ROW: usize = 3;
 

@@ -1,10 +1,14 @@
 //! How far f32 may be from the materials' stress, tangent and energy: their formulas on absolute values, with all
 //! signs plus, and how many roundings a term sees.
 
-use super::bound::{abs, abs_cofactor, abs_determinant, abs_trace};
+use super::bound::{QUOTIENT, ROOT, abs, abs_cofactor, abs_determinant, abs_trace};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::double_dot;
 use supple::material::{Material, MaterialPoint, Orthotropic};
+
+/// An entry turned by a Jacobi rotation: a product and a sum; c = 1/√(t² + 1) and s = t c, so that what is turned grows by
+/// the error of c; and what stays behind where t, two quotients and a root, is off.
+const ROTATION: usize = 2 + (2 + ROOT + QUOTIENT) + (2 + ROOT + 2 * QUOTIENT);
 
 fn size(m: DMat3) -> f64 {
     m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
@@ -114,13 +118,13 @@ impl<'a> Magnitudes<'a> {
         h + h.transpose() + DMat3::from_diagonal(DVec3::splat(abs_trace(h))) + abs_cofactor(h)
     }
 
-    /// P. A polynomial in H of degree 5, H a sum of `handles` products: at most n_h + 3 roundings in each of five factors
-    /// and twenty between them. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
+    /// P. A polynomial in H of degree 5, H a sum of `handles` products: at most n_h + 3 roundings in each of five factors,
+    /// twenty between them, and two of the stiffness and its factor. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
     /// out of axes that are rounded themselves: sixty more with the exponential's own, 3 + 2 Q_max.
     pub fn stress(&self, handles: usize) -> (DMat3, usize) {
         let f = DMat3::IDENTITY + self.h;
         let mut out = self.mu * self.shear() + self.kappa * self.volume() * abs_cofactor(f);
-        let mut roundings = 5 * (handles + 3) + 21;
+        let mut roundings = 5 * (handles + 3) + 22;
         if let Some(fibres) = &self.fibres {
             let s = by_entries(fibres.weights(), fibres.strain);
             out += f * (fibres.axes * s * fibres.axes.transpose());
@@ -130,20 +134,20 @@ impl<'a> Magnitudes<'a> {
     }
 
     /// C. It is Lipschitz in H (the projection onto a convex cone does not expand), so that its error is that of the
-    /// unprojected C and of the Jacobi sweeps, which enter twice a mode: five sweeps of fifteen rotations of six roundings,
+    /// unprojected C and of the Jacobi sweeps, which enter twice a mode: five sweeps of three [`ROTATION`]s,
     /// or for a 9×9 matrix seven sweeps, in each of which sixteen rotations touch an entry.
     pub fn tangent(&self, handles: usize) -> (f64, usize) {
         let f = DMat3::IDENTITY + self.h;
         let pressure = self.kappa * self.volume() + self.mu;
         let mut out = self.mu + self.kappa * size(abs_cofactor(f)).powi(2) + pressure * size(f);
-        let mut roundings = 4 * (handles + 3) + 21 + 4 * 15 * 6;
+        let mut roundings = 4 * (handles + 3) + 22 + 4 * 15 * ROTATION;
         if let Some(fibres) = &self.fibres {
             let stress = by_entries(fibres.weights(), fibres.strain);
             let t = f * fibres.axes * by_entries(fibres.rates, fibres.strain);
             out += 3f64.sqrt() * size(stress)
                 + size(fibres.weights()) * size(f).powi(2)
                 + 2.0 * fibres.slope() * size(t).powi(2);
-            roundings += 60 + 2 * 7 * 16 * 6;
+            roundings += 60 + 2 * 7 * 16 * ROTATION;
         }
         (out * self.tissue.local.stiffness, roundings)
     }
@@ -193,6 +197,6 @@ impl<'a> Magnitudes<'a> {
 
     /// Roundings of an energy: degree ≤ 6, and what the fibres add.
     pub fn energy_roundings(&self, handles: usize) -> usize {
-        5 * (handles + 3) + 26 + if self.fibres.is_some() { 60 } else { 0 }
+        5 * (handles + 3) + 27 + if self.fibres.is_some() { 60 } else { 0 }
     }
 }

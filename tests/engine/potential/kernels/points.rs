@@ -1,9 +1,9 @@
 //! Kernels with one thread a point: pose_blend, displacement, elasticity, skin, normals.
 
 use super::INSTANCE;
-use super::bound::{Comparison, Outcome, abs, abs_cross};
+use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs, abs_cross};
 use super::material::Magnitudes;
-use super::scene::{Phase, Scene, TIME_STEP, mat, vec};
+use super::scene::{Phase, Scene, mat, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::displacement::{FrameMotion, position, unposed_displacement};
 use supple::internal::cpu::elasticity::{Damping, displacement_gradient, stress, tangent};
@@ -153,14 +153,14 @@ pub fn elasticity(scene: &Scene) -> Outcome {
         let stresses: Vec<shared::Mat3> = scene.items(phase, "stress", slot, set.len());
         let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", slot, set.len());
         for i in 0..set.len() {
-            let (basis, tissue) = (set.basis.row(i), scene.avatar.tissue_at(i));
+            let (basis, tissue) = (set.basis.row(i), scene.tissue_at(i));
             let h = displacement_gradient(basis, &phi);
             let change = displacement_gradient(basis, &increment);
             let (_, abs_basis) = abs_rows(&[], basis);
             let abs_h = displacement_gradient(&abs_basis, &abs_all(&phi));
             let abs_change = displacement_gradient(&abs_basis, &abs_all(&increment));
             let start = mat9(&starts[i]);
-            let rate = scene.avatar.damping_time / TIME_STEP;
+            let rate = scene.damping_rate();
             let damping = (slot != INSTANCE).then_some(Damping {
                 rate,
                 tangent: &start,
@@ -252,8 +252,7 @@ pub fn skin(scene: &Scene) -> Outcome {
     out.finish("x")
 }
 
-/// n = N/|N|: edges, a cross product (3) and the sum over triangles; then the length (5 and the square root's
-/// own 5) and a division of 2.5 ulp. An error e of N turns n by at most e/|N|.
+/// n = N/|N|: edges, a cross product (3) and the sum over triangles; then the length and a quotient. An error e of N turns n by at most e/|N|.
 pub fn normals(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let count = scene.avatar.skin.len();
@@ -272,7 +271,7 @@ pub fn normals(scene: &Scene) -> Outcome {
             terms += abs_cross(b, c);
         }
         let magnitude = 1.0 + terms.length() / sum.length();
-        let roundings = around.row(i).len() + 4 + 15;
+        let roundings = around.row(i).len() + 4 + LENGTH + QUOTIENT;
         out.vector(vec(got[i].normal), want, DVec3::splat(magnitude), roundings);
     }
     out.finish("n")

@@ -13,13 +13,15 @@ use supple::internal::cpu::displacement::FrameMotion;
 use supple::internal::gpu::{Sources, shared};
 use supple::internal::math::Random;
 use supple::internal::random_state;
+use supple::material::MaterialPoint;
 use supple::model::{Avatar, Frame, PointSet, State};
 use supple::potential::{
-    BlockPattern, Evaluation, GpuOptions, GpuPotential, Potential, StepStart, Trial,
+    BlockPattern, Evaluation, GpuOptions, GpuPotential, Potential, StepStart, TissueFactors, Trial,
 };
 
 /// h: a power of two, so that its inverse is exact.
 pub const TIME_STEP: f64 = 1.0 / 128.0;
+/// With its factor.
 pub const GRAVITY: DVec3 = DVec3::new(1.5, -2.25, 9.75);
 /// So that of the slips some are below it and some above.
 pub const SLIP_SPEED: f64 = 0.125;
@@ -91,10 +93,24 @@ const LOOKED_AT: &[(Phase, &[&str])] = &[
 pub struct Scene {
     pub avatar: Arc<Avatar>,
     pub pattern: BlockPattern,
-    /// Relative to the instance's origin and rounded, as the kernels got them.
+    /// Relative to the instance's origin, rounded and with the factor on friction, as the kernels got them.
     pub colliders: Vec<Collider>,
     pub evaluation: Evaluation,
     buffers: HashMap<(Phase, &'static str), Vec<u8>>,
+}
+
+/// Of all instances, none of them 1.
+pub fn factors() -> TissueFactors {
+    let mut factors = TissueFactors::default();
+    (factors.stiffness, factors.damping) = (1.25, 0.75);
+    (factors.gravity, factors.friction) = (2.0, 0.5);
+    factors
+}
+
+/// Two frames of the instance that is looked at, and others of the others.
+pub fn prescribed(avatar: &Avatar, instance: usize) -> Vec<bool> {
+    let frames = 0..avatar.skeleton.len();
+    frames.map(|frame| frame % 3 == instance).collect()
 }
 
 /// The software or hardware adapter of this machine.
@@ -143,15 +159,18 @@ impl Scene {
         let colliders: Vec<Vec<Collider>> = (current.iter().enumerate())
             .map(|(i, q)| colliders(seed + i as u64, q.frames[0].position))
             .collect();
+        let prescribed: Vec<_> = (0..INSTANCES).map(|i| prescribed(&avatar, i)).collect();
         let starts: Vec<_> = (0..INSTANCES)
             .map(|i| StepStart {
                 time_step: TIME_STEP,
                 previous: &previous[i],
                 current: &current[i],
                 colliders: &colliders[i],
-                tissue_gravity: GRAVITY,
+                tissue_gravity: GRAVITY / factors().gravity,
                 slip_speed: SLIP_SPEED,
                 geometric_contact: false,
+                factors: factors(),
+                prescribed: &prescribed[i],
             })
             .collect();
 
@@ -186,6 +205,9 @@ impl Scene {
             .iter()
             .map(|c| rounded_collider(c.relative_to(origin)))
             .collect();
+        for collider in &mut scene.colliders {
+            collider.friction *= factors().friction;
+        }
         Ok(scene)
     }
 
@@ -199,6 +221,18 @@ impl Scene {
             }
         }
         Ok(())
+    }
+
+    /// The tissue at cubature point `i`, with its factor.
+    pub fn tissue_at(&self, i: usize) -> MaterialPoint<'_> {
+        let mut tissue = self.avatar.tissue_at(i);
+        tissue.local.stiffness *= factors().stiffness;
+        tissue
+    }
+
+    /// β/h, with its factor.
+    pub fn damping_rate(&self) -> f64 {
+        factors().damping * self.avatar.damping_time / TIME_STEP
     }
 
     /// Items `[index · count, (index + 1) · count)` of a buffer.

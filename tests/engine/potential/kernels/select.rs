@@ -2,8 +2,8 @@
 
 use super::INSTANCE;
 use super::bound::{Outcome, U};
-use super::contact::{abs_place, distances, is_left_out};
-use super::points::{abs_position, skin_roundings};
+use super::contact::{abs_place, distance_roundings, distances, is_left_out};
+use super::points::abs_position;
 use super::scene::{OPTIONS_CONTACTS, Phase, Scene};
 use supple::internal::cpu::contact::{contact_point, may_touch};
 use supple::internal::cpu::displacement::unposed_displacement;
@@ -34,7 +34,7 @@ pub fn select(scene: &Scene) -> Outcome {
             let (to_local, abs_place) = abs_place(collider, &frames);
             let local = to_local.transpose() * (abs_p + abs_place);
             let magnitude = local.element_sum() + f64::from(sizes) + collider.margin;
-            errors.push(U * magnitude * (skin_roundings(set, i) + 4 + 12 + 4) as f64);
+            errors.push(U * magnitude * distance_roundings(set, i) as f64);
         }
     }
     let kept = keep_deepest(&depths, OPTIONS_CONTACTS);

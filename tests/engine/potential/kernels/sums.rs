@@ -4,12 +4,14 @@ use super::INSTANCE;
 use super::bound::{Comparison, Outcome, abs, abs_cross, abs_skew};
 use super::compact::{listed, places, rows, vertex_blocks};
 use super::points::{mat9, minus_joints};
-use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, vec};
+use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, prescribed, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::displacement::arms;
 use supple::internal::cpu::gradient::{gradient as gradient_twin, point_force};
-use supple::internal::cpu::hessian::{ContactRows, gather_blocks, gather_contacts};
-use supple::internal::cpu::point_hessian::{PointTerms, PointView, point_hessian as hessian_twin};
+use supple::internal::cpu::hessian::{ContactRows, ContactTerms, gather_blocks, gather_contacts};
+use supple::internal::cpu::point_hessian::{
+    PointTerms, PointView, is_prescribed, point_hessian as hessian_twin,
+};
 use supple::internal::cpu::{Basis, Incidence};
 use supple::internal::features::point_blocks;
 use supple::internal::gpu::shared;
@@ -86,6 +88,7 @@ fn view<'a>(
         arms: &point.arms,
         basis: set.basis.row(i),
         tangent: &point.tangent,
+        prescribed: &[],
     }
 }
 
@@ -293,20 +296,26 @@ pub fn hessian(scene: &Scene) -> Outcome {
             let out = &mut out[range];
             gather_blocks(&cubature, row, |i| &parts[i], out);
             let mut force = DVec3::ZERO;
-            gather_contacts(
-                &by_row,
-                row,
-                &contacts,
-                (&skin, &scene.pattern),
-                (stride, levers),
-                &mut force,
-                out,
-            );
+            let terms = ContactTerms {
+                rows: &by_row,
+                contacts: &contacts,
+                levers: (stride, levers),
+                skin: &skin,
+                pattern: &scene.pattern,
+                prescribed: &[],
+            };
+            gather_contacts(&terms, row, &mut force, out);
         }
         out
     };
-    let want = gather(&sorted_parts, &levers);
-    let magnitude = gather(&abs_parts, &abs_levers);
+    let mut want = gather(&sorted_parts, &levers);
+    let mut magnitude = gather(&abs_parts, &abs_levers);
+    let prescribed = prescribed(&scene.avatar, INSTANCE);
+    for (k, (row, column)) in scene.pattern.blocks().enumerate() {
+        if is_prescribed(&prescribed, row) || is_prescribed(&prescribed, column) {
+            (want[k], magnitude[k]) = ([0.0; 9], [0.0; 9]);
+        }
+    }
     let mut out = Comparison::default();
     let most = set.len() + contacts.len() + 3;
     for (block, (want, magnitude)) in want.iter().zip(&magnitude).enumerate() {

@@ -8,7 +8,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::Random;
 use supple::model::{Avatar, BoneMass, Frame, State};
-use supple::potential::{CpuPotential, Evaluation, Potential, StepStart};
+use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, TissueFactors};
 
 /// Two blocks, the second of which carries a ball that the first falls on.
 fn pair(friction: f64) -> (Avatar, State, Collider) {
@@ -117,6 +117,8 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
             tissue_gravity: DVec3::ZERO,
             slip_speed: 1e-3,
             geometric_contact: false,
+            factors: TissueFactors::default(),
+            prescribed: &[],
         };
         let mut out = [Evaluation::default()];
         block_on(potential.begin_step(&[start], &[true]))?;

@@ -1,0 +1,131 @@
+//! Factors on the tissue: each on its own term, and the derivatives stay those of the energy.
+
+use super::case::{Case, cases, factors};
+use super::{STEP, difference, evaluate, largest, unit};
+use pollster::block_on;
+use supple::internal::cpu::HessianForm;
+use supple::potential::{Evaluation, Potential, TissueFactors};
+
+/// Everything at once, with friction that neither holds nor only slips.
+fn case(factors: TissueFactors) -> Case {
+    Case {
+        factors,
+        slip_speed: 0.5,
+        ..cases().pop().unwrap()
+    }
+}
+
+#[test]
+fn each_factor_multiplies_its_own_term() {
+    let [_, _, state] = case(TissueFactors::default()).states();
+    let energies = |factors| evaluate(&mut case(factors).reference(), &state).energies;
+    let (plain, scaled) = (energies(TissueFactors::default()), energies(factors()));
+    let f = factors();
+    for (name, plain, scaled, factor) in [
+        ("inertia", plain.inertia, scaled.inertia, 1.0),
+        ("gravity", plain.gravity, scaled.gravity, f.gravity),
+        ("elastic", plain.elastic, scaled.elastic, f.stiffness),
+        (
+            "damping",
+            plain.damping,
+            scaled.damping,
+            f.stiffness * f.damping,
+        ),
+        ("contact", plain.contact, scaled.contact, 1.0),
+        ("friction", plain.friction, scaled.friction, f.friction),
+    ] {
+        let error = (scaled - factor * plain).abs();
+        assert!(
+            plain != 0.0 && error < 1e-12 * plain.abs(),
+            "{name}: {scaled}, {plain}"
+        );
+    }
+}
+
+#[test]
+fn with_factors_gradient_and_hessian_are_those_of_the_energy() {
+    let case = case(factors());
+    let mut potential = case.reference();
+    let [_, current, state] = case.states();
+    let evaluation = evaluate(&mut potential, &state);
+    let total = difference(&mut potential, &current, &state);
+    assert!((evaluation.energies.total() - total).abs() < 1e-10 * total.abs());
+    let dofs = evaluation.gradient.len();
+    let exact = potential
+        .dense_hessian(0, &state, HessianForm::Exact)
+        .unwrap();
+    let scale = largest(evaluation.gradient.iter().copied());
+    let hessian_scale = largest(exact.iter().flatten().copied());
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for k in 0..dofs {
+        let e = unit(dofs, k);
+        let [ahead, behind]: [Evaluation; 2] =
+            [STEP, -STEP].map(|s| evaluate(&mut potential, &state.moved(&e, s)));
+        let slope = (ahead.energies.total() - behind.energies.total()) / (2.0 * STEP);
+        let error = (evaluation.gradient[k] - slope).abs();
+        assert!(
+            error < 2e-6 * scale,
+            "{k}: {} against {slope}",
+            evaluation.gradient[k]
+        );
+        let pairs = ahead.gradient.iter().zip(&behind.gradient);
+        columns.push(pairs.map(|(a, b)| (a - b) / (2.0 * STEP)).collect());
+    }
+    for i in 0..dofs {
+        for k in 0..=i {
+            let expected = 0.5 * (columns[k][i] + columns[i][k]);
+            let error = (exact[i][k] - expected).abs();
+            assert!(
+                error < 1e-5 * hessian_scale,
+                "({i}, {k}): {} against {expected}",
+                exact[i][k]
+            );
+        }
+    }
+}
+
+#[test]
+fn unusable_factors_are_refused_by_name() {
+    let case = case(TissueFactors::default());
+    let [previous, current, _] = &case.states();
+    let mut potential = case.reference();
+    let set: [(&str, fn(&mut TissueFactors) -> &mut f64, &[f64]); 4] = [
+        (
+            "stiffness",
+            |f| &mut f.stiffness,
+            &[0.0, -1.0, f64::NAN, f64::INFINITY],
+        ),
+        (
+            "damping",
+            |f| &mut f.damping,
+            &[-1e-9, f64::NAN, f64::INFINITY],
+        ),
+        (
+            "gravity",
+            |f| &mut f.gravity,
+            &[-1.0, f64::NAN, f64::INFINITY],
+        ),
+        (
+            "friction",
+            |f| &mut f.friction,
+            &[-1.0, f64::NAN, f64::INFINITY],
+        ),
+    ];
+    for (name, field, values) in set {
+        for &value in values {
+            let mut factors = TissueFactors::default();
+            *field(&mut factors) = value;
+            let mut start = case.start(previous, current);
+            start.factors = factors;
+            let error = block_on(potential.begin_step(&[start], &[true])).unwrap_err();
+            let error = error.to_string();
+            assert!(
+                error.contains(&format!("factors.{name}")),
+                "{value}: {error}"
+            );
+        }
+    }
+    let mut none = TissueFactors::default();
+    (none.damping, none.gravity, none.friction) = (0.0, 0.0, 0.0);
+    assert!(none.validate().is_ok());
+}
