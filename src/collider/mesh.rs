@@ -12,7 +12,6 @@
 use super::{Shape, SignedDistance};
 use crate::math::par_map;
 use crate::model::Surface;
-#[cfg(feature = "mesh-colliders")]
 use crate::{Error, Result};
 use glam::{DMat3, DVec3, IVec3};
 #[cfg(feature = "mesh-colliders")]
@@ -21,6 +20,7 @@ use parry3d_f64::{
     query::PointQuery,
     shape::{TriMesh, TriMeshFlags},
 };
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::{Arc, LazyLock};
 
@@ -31,11 +31,13 @@ pub const MESH_NODES: usize = 48;
 const BORDER: f64 = 4.0;
 
 /// A closed triangle mesh as a collider's shape.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "DistanceGrid", into = "DistanceGrid")]
 pub struct MeshShape(Arc<DistanceGrid>);
 
 /// A closed surface and its signed distance at the nodes of a grid.
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "StoredGrid")]
 pub struct DistanceGrid {
     surface: Surface,
     /// The node of least coordinates, m.
@@ -44,6 +46,51 @@ pub struct DistanceGrid {
     spacing: DVec3,
     /// d, m, as both evaluations have it; x runs fastest.
     values: Vec<f32>,
+}
+
+/// A [`DistanceGrid`] as it is read, before its lengths are known to be right.
+#[derive(Deserialize)]
+struct StoredGrid {
+    surface: Surface,
+    low: DVec3,
+    spacing: DVec3,
+    values: Vec<f32>,
+}
+
+impl TryFrom<StoredGrid> for DistanceGrid {
+    type Error = Error;
+
+    fn try_from(stored: StoredGrid) -> Result<Self> {
+        let count = stored.surface.positions.len() as u32;
+        let sound = stored.values.len() == MESH_NODES.pow(3)
+            && stored.values.iter().all(|d| d.is_finite())
+            && stored.low.is_finite()
+            && stored.spacing.is_finite()
+            && stored.spacing.min_element() > 0.0
+            && stored.surface.positions.iter().all(|p| p.is_finite())
+            && stored.surface.triangles.iter().flatten().all(|&v| v < count);
+        if !sound {
+            return Err(Error::invalid("mesh", "is not a grid of distances"));
+        }
+        Ok(Self {
+            surface: stored.surface,
+            low: stored.low,
+            spacing: stored.spacing,
+            values: stored.values,
+        })
+    }
+}
+
+impl From<DistanceGrid> for MeshShape {
+    fn from(grid: DistanceGrid) -> Self {
+        Self(Arc::new(grid))
+    }
+}
+
+impl From<MeshShape> for DistanceGrid {
+    fn from(shape: MeshShape) -> Self {
+        Arc::unwrap_or_clone(shape.0)
+    }
 }
 
 impl fmt::Debug for DistanceGrid {

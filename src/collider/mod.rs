@@ -14,12 +14,13 @@ mod sphere;
 pub(crate) use mesh::MESH_NODES;
 pub use mesh::{DistanceGrid, MeshShape};
 
-use crate::model::Frame;
+use crate::model::{Frame, UpAxis};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// The shape of a collider, in its own frame, m. A new shape is one file, its kernel, and its lines here.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
     /// The solid below the plane z = 0.
     HalfSpace,
@@ -191,7 +192,7 @@ impl Shape {
 }
 
 /// A rigid solid that the skin cannot enter: kinematic, or fixed to a frame of the system.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Collider {
     /// Its shape.
     pub shape: Shape,
@@ -225,6 +226,15 @@ impl Collider {
             friction: 0.0,
             body: None,
         }
+    }
+
+    /// Everything below height zero of a world in which `up` points up.
+    pub fn ground(up: UpAxis) -> Self {
+        let frame = Frame {
+            rotation: UpAxis::Z.rotation_to(up),
+            position: DVec3::ZERO,
+        };
+        Self::new(Shape::HalfSpace, frame)
     }
 
     /// Where it stands at the end of the step, the system's frames being `frames`.

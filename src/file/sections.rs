@@ -1,6 +1,7 @@
 //! Bytes to sections and back.
 
 use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 const MAGIC: [u8; 8] = *b"SUPPLE\r\n";
@@ -11,7 +12,7 @@ const HEADER: usize = 24;
 const SECTION_HEADER: usize = 16;
 
 /// A part of a baked file that a reader may pass over.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Section {
     /// Four letters.
     pub tag: [u8; 4],

@@ -9,6 +9,7 @@ use crate::material::{Material, StableNeoHookean};
 use crate::math::Rows;
 use crate::{Error, Result};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// A ball, a box or any other solid that moves with an avatar in one Newton system.
@@ -16,7 +17,7 @@ use std::ops::Range;
 /// It is a root frame with a mass. Its surface vertices are skin vertices without handles, so that it
 /// rests on kinematic colliders and is pushed by them as the skin is; the avatar's skin meets it as a
 /// collider that its frame carries ([`RigidBody::collider`]).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidBody {
     /// Unlike every bone's name.
     pub name: String,

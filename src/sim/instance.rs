@@ -7,9 +7,10 @@ use crate::potential::TissueFactors;
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// A bone that is held at a prescribed frame; its DoFs do not move otherwise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pin {
     /// Which bone.
     pub bone: usize,
@@ -119,7 +120,7 @@ impl Instance {
     }
 
     /// Checks what the user wrote, so that a step meets only usable numbers.
-    pub(super) fn validate(&self, like: &State) -> Result<()> {
+    pub(crate) fn validate(&self, like: &State) -> Result<()> {
         let bones = like.frames.len();
         let check = |ok: bool, field: &str, problem: &str| {
             if ok {

@@ -5,10 +5,11 @@ use super::term::{FrameHessian, FrameTerm, Residual};
 use crate::math::{rotation_log, skew};
 use crate::model::Frame;
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// How stiffly a bone keeps its rotation relative to its parent. A root has no parent: its entry
 /// does nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bending {
     /// R₀: the relative rotation R_pᵀR_j at rest.
     pub rest_rotation: DMat3,

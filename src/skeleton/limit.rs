@@ -7,10 +7,11 @@ use super::term::{FrameHessian, FrameTerm, Residual};
 use crate::math::rotation_log;
 use crate::model::{Frame, JointRange};
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// The range of a bone's rotation relative to its parent, and how stiffly it is kept. A root has no
 /// parent and no limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointLimit {
     /// Which bone.
     pub bone: usize,

@@ -19,7 +19,7 @@ pub struct Spring {
 }
 
 /// A bone's target.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tracking {
     /// Which bone.
     pub bone: usize,

@@ -11,6 +11,7 @@ use crate::potential::{
 };
 use crate::{Error, Result};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Where a world's tissue is evaluated.
@@ -45,7 +46,7 @@ pub(super) enum Opened {
 }
 
 /// What an asset's evaluator must have room for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Room {
     pub instances: usize,
     /// Frames that stand for bodies.

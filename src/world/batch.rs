@@ -1,12 +1,12 @@
 //! The instances of one asset in a world.
 
 use super::backend::{Evaluator, Opened, Room};
-use super::character::{Character, pose_stiffness};
+use super::character::{Character, pose_stiffness, rigid};
 use super::near::SkinBounds;
-use crate::Result;
-use crate::model::{Avatar, Frame};
+use crate::model::{Avatar, Frame, RigidBody};
 use crate::sim::{Physics, Settings, Solvers};
 use crate::skeleton::SkeletonModel;
+use crate::{Error, Result};
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -58,6 +58,40 @@ impl Batch {
             base,
         };
         Ok((batch, evaluator))
+    }
+
+    /// A body's, with its one instance.
+    pub fn of_body(
+        opened: &Opened,
+        body: &RigidBody,
+        settings: Settings,
+        gravity: DVec3,
+    ) -> Result<(Self, Evaluator)> {
+        let of_body = |e: Error| e.within(&format!("bodies.{}", body.name));
+        body.collider(0).validate().map_err(of_body)?;
+        rigid("initial_frame", &body.initial_frame).map_err(of_body)?;
+        let avatar = Arc::new(body.alone());
+        let (mut batch, evaluator) = Self::new(opened, avatar, settings, true).map_err(of_body)?;
+        let wanted = Room {
+            instances: 1,
+            ..Room::default()
+        };
+        let evaluator = batch.make_room(opened, wanted)?.unwrap_or(evaluator);
+        let mut character = batch.character(gravity, &body.initial_frame);
+        character.ragdoll(0.0)?;
+        batch.characters[0] = character;
+        batch.used[0] = true;
+        Ok((batch, evaluator))
+    }
+
+    /// As it was handed in.
+    pub fn base(&self) -> &Avatar {
+        &self.base
+    }
+
+    /// How much room there is.
+    pub fn room(&self) -> Room {
+        self.room
     }
 
     /// Its members.

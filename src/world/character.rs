@@ -1,15 +1,17 @@
 //! One avatar that stands in a world: what drives it, between steps.
 
 use crate::model::{Avatar, Frame, State};
+use crate::potential::TissueFactors;
 use crate::sim::{Instance, InstanceReport, Pin, Settings};
 use crate::skeleton::{Spring, Tracking};
 use crate::{Error, Result};
 use glam::{DVec3, Mat4};
+use serde::{Deserialize, Serialize};
 use std::borrow::{Borrow, BorrowMut};
 use std::sync::Arc;
 
 /// What moves the bones of a [`Character`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Driving {
     /// The root is held where it is put, and springs keep the bind pose: nothing has been said.
@@ -285,6 +287,16 @@ impl Character {
         self.awake
     }
 
+    /// Factors of the tissue's stiffness, damping, gravity and friction from the next step on; 1 is as it was baked.
+    ///
+    /// # Errors
+    /// A factor that is unusable.
+    pub fn set_factors(&mut self, factors: TissueFactors) -> Result<()> {
+        factors.validate()?;
+        self.instance.factors = factors;
+        Ok(())
+    }
+
     /// The world matrices of the avatar's joints as they are simulated, in the order of [`Avatar::joints`].
     ///
     /// # Errors
@@ -348,6 +360,30 @@ impl Character {
         }
         let bending = instance.bending[0];
         instance.bending.resize(frames, bending);
+    }
+
+    /// Sets what a snapshot says of the driver, whose pins and targets are there.
+    pub(super) fn restore_driving(
+        &mut self,
+        driving: Driving,
+        placement: &Frame,
+        awake: bool,
+    ) -> Result<()> {
+        rigid("placement", placement)?;
+        let (bones, instance) = (self.bones(), &self.instance);
+        let pins = instance.pins.iter().map(|pin| pin.bone).eq(0..bones);
+        let targets = instance.targets.iter().map(|t| t.bone).eq(0..bones);
+        let complete = match driving {
+            Driving::Held | Driving::Ragdoll => true,
+            Driving::Followed => pins,
+            Driving::Drawn => targets,
+        };
+        if !complete {
+            let problem = "does not say where each bone goes";
+            return Err(Error::invalid("driver", problem));
+        }
+        (self.driving, self.placement, self.awake) = (driving, *placement, awake);
+        Ok(())
     }
 
     /// Errors of frames that cannot be followed.

@@ -1,6 +1,6 @@
 //! What a world holds: it comes and goes between steps.
 
-use super::backend::{Backend, Opened, Room, gone};
+use super::backend::{Backend, Evaluator, Opened, Room, gone};
 use super::batch::Batch;
 use super::character::{Character, rigid};
 use super::evaluators::Evaluators;
@@ -11,6 +11,7 @@ use crate::model::{Avatar, Frame, RigidBody, UpAxis};
 use crate::sim::{InstanceReport, Settings, Stepper, Timings};
 use crate::Result;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use slotmap::SlotMap;
 use std::sync::Arc;
 
@@ -18,6 +19,7 @@ use std::sync::Arc;
 const GRAVITY: f64 = 9.81;
 
 /// A rigid body, and which asset it is.
+#[derive(Serialize, Deserialize)]
 pub(super) struct Body {
     pub rigid: RigidBody,
     /// What avatars meet of it, in its own frame.
@@ -29,8 +31,8 @@ pub(super) struct Body {
 pub struct World {
     pub(super) opened: Opened,
     pub(super) settings: Settings,
-    up: UpAxis,
-    gravity: DVec3,
+    pub(super) up: UpAxis,
+    pub(super) gravity: DVec3,
     avatars: SlotMap<AvatarId, usize>,
     /// Asset and place in it.
     pub(super) instances: SlotMap<InstanceId, (usize, usize)>,
@@ -234,6 +236,16 @@ impl World {
         self.colliders.get_mut(collider).ok_or_else(|| gone("collider"))
     }
 
+    /// The ground, at height zero: a half-space below the world's up, with friction.
+    ///
+    /// # Errors
+    /// None: it is sound.
+    pub fn add_ground(&mut self) -> Result<ColliderId> {
+        let mut ground = Collider::ground(self.up);
+        ground.friction = 0.5;
+        self.add_collider(ground)
+    }
+
     /// Takes a collider out.
     ///
     /// # Errors
@@ -247,17 +259,9 @@ impl World {
     /// # Errors
     /// A body that is not sound.
     pub fn add_body(&mut self, body: RigidBody) -> Result<BodyId> {
-        (body.collider(0).validate()).map_err(|e| e.within(&format!("bodies.{}", body.name)))?;
-        rigid("body.initial_frame", &body.initial_frame)?;
-        let avatar = Arc::new(body.alone());
-        let (batch, evaluator) = Batch::new(&self.opened, avatar, self.settings, true)?;
+        let (batch, evaluator) =
+            Batch::of_body(&self.opened, &body, self.settings, self.gravity)?;
         let asset = self.push(batch, evaluator);
-        let place = self.place(asset)?;
-        let batch = &mut self.batches[asset];
-        let mut character = batch.character(self.gravity, &body.initial_frame);
-        character.ragdoll(0.0)?;
-        batch.characters[place] = character;
-        batch.used[place] = true;
         Ok(self.bodies.insert(Body {
             collider: body.collider(0),
             rigid: body,
@@ -361,14 +365,21 @@ impl World {
         self.settings.time_step
     }
 
-    fn push(&mut self, batch: Batch, evaluator: super::backend::Evaluator) -> usize {
-        self.batches.push(batch);
-        self.evaluators.push(evaluator);
+    /// Appends an asset: avatars stand before bodies.
+    fn push(&mut self, batch: Batch, evaluator: Evaluator) -> usize {
+        let asset = match batch.is_body {
+            true => self.batches.len(),
+            false => self.batches.iter().filter(|b| !b.is_body).count(),
+        };
+        self.batches.insert(asset, batch);
+        self.evaluators.insert(asset, evaluator);
+        let bodies = self.bodies.values_mut().map(|body| &mut body.asset);
+        bodies.for_each(|of| *of += usize::from(*of >= asset));
         self.stepper = None;
-        self.batches.len() - 1
+        asset
     }
 
-    fn remove_asset(&mut self, asset: usize) {
+    pub(super) fn remove_asset(&mut self, asset: usize) {
         self.batches.remove(asset);
         self.evaluators.remove(asset);
         let moved = |of: &mut usize| *of -= usize::from(*of > asset);

@@ -27,14 +27,15 @@ pub(super) struct Evaluators {
 }
 
 impl Evaluators {
-    pub fn push(&mut self, evaluator: Evaluator) {
-        self.list.push(Batch {
+    pub fn insert(&mut self, asset: usize, evaluator: Evaluator) {
+        let batch = Batch {
             evaluator,
             members: 0..0,
             trials: Vec::new(),
             places: Vec::new(),
             differences: Vec::new(),
-        });
+        };
+        self.list.insert(asset, batch);
     }
 
     pub fn replace(&mut self, asset: usize, evaluator: Evaluator) {

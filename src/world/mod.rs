@@ -13,6 +13,7 @@
 //! | `contents` | what comes and goes |
 //! | `meetings` | who touches what in a step |
 //! | `step` | a step |
+//! | `snapshot` | all that moves, as bytes and back |
 
 mod backend;
 mod batch;
@@ -22,10 +23,12 @@ mod evaluators;
 mod keys;
 mod meetings;
 mod near;
+mod snapshot;
 mod step;
 
 pub use backend::Backend;
 pub use character::{Character, Driving};
 pub use contents::World;
 pub use keys::{AvatarId, BodyId, ColliderId, InstanceId};
+pub use snapshot::Snapshot;
 pub use step::LONGEST_STEP;

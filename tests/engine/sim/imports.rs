@@ -42,8 +42,11 @@ fn files_import_from_those_above_them() {
         let entries = std::fs::read_dir(folder).unwrap().count();
         assert_eq!(order.len() + 1, entries, "{folder}: files in the table");
         for file in &order {
-            let path = Path::new(folder).join(file).with_extension("rs");
-            let source = std::fs::read_to_string(path).unwrap();
+            let path = Path::new(folder).join(file);
+            let of_folder = std::fs::read_to_string(path.join("mod.rs"));
+            let source = of_folder
+                .or_else(|_| std::fs::read_to_string(path.with_extension("rs")))
+                .unwrap();
             let found = upward(&order, file, &source);
             assert!(found.is_empty(), "{folder}/{file} imports {found:?}");
         }

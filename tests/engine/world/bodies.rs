@@ -71,7 +71,8 @@ fn a_box_squeezed_by_two_assets_meets_equal_forces() -> Result<()> {
     assert!(left.y < -1.0, "{left}: not pressed");
     assert!((left + right).length() < 0.01 * left.length(), "{left} against {right}");
     let place = world.body_frame(body)?.position;
-    assert!(place.y.abs() < 1e-3, "{place}");
+    // The softer one gives way more.
+    assert!(place.y.abs() < 0.004, "{place}");
     Ok(())
 }
 

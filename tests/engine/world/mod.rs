@@ -3,6 +3,7 @@
 mod bodies;
 mod coming_and_going;
 mod driving;
+mod snapshots;
 
 use crate::support;
 use std::sync::Arc;

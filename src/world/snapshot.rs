@@ -1,0 +1,283 @@
+//! All that moves in a world, as bytes and back.
+
+use super::backend::Room;
+use super::batch::Batch;
+use super::character::{Character, Driving};
+use super::contents::{Body, World};
+use super::keys::{BodyId, ColliderId, InstanceId};
+use crate::collider::Collider;
+use crate::file::Section;
+use crate::model::{Avatar, Frame, State, UpAxis};
+use crate::potential::TissueFactors;
+use crate::sim::{Pin, Settings};
+use crate::skeleton::{Bending, JointLimit, Tracking};
+use crate::{Error, Result};
+use glam::DVec3;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use slotmap::SlotMap;
+
+/// What a world was at a time: states, drivers, colliders and bodies, in tagged sections. The avatars themselves are not
+/// in it; they are known by a checksum. Serialise it with any serde format.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Snapshot {
+    sections: Vec<Section>,
+}
+
+const WORLD: [u8; 4] = *b"WRLD";
+const ASSETS: [u8; 4] = *b"ASST";
+const INSTANCES: [u8; 4] = *b"INST";
+const DRIVERS: [u8; 4] = *b"DRIV";
+const BODIES: [u8; 4] = *b"BODY";
+const COLLIDERS: [u8; 4] = *b"COLL";
+/// Of each section's content.
+const VERSION: u32 = 1;
+
+#[derive(Serialize, Deserialize)]
+struct StoredWorld {
+    settings: Settings,
+    up: UpAxis,
+    gravity: DVec3,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredAsset {
+    name: String,
+    checksum: u32,
+    room: Room,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredState {
+    state: State,
+    previous: State,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredDriver {
+    driving: Driving,
+    placement: Frame,
+    awake: bool,
+    targets: Vec<Tracking>,
+    pins: Vec<Pin>,
+    bending: Vec<Bending>,
+    limits: Vec<JointLimit>,
+    gravity: DVec3,
+    factors: TissueFactors,
+}
+
+impl Character {
+    fn stored_state(&self) -> StoredState {
+        let instance = self.instance();
+        StoredState {
+            state: instance.state.clone(),
+            previous: instance.previous.clone(),
+        }
+    }
+
+    fn stored_driver(&self) -> StoredDriver {
+        let instance = self.instance();
+        StoredDriver {
+            driving: self.driving(),
+            placement: self.placement(),
+            awake: self.is_awake(),
+            targets: instance.targets.clone(),
+            pins: instance.pins.clone(),
+            bending: instance.bending.clone(),
+            limits: instance.limits.clone(),
+            gravity: instance.gravity,
+            factors: instance.factors,
+        }
+    }
+
+    fn restore_state(&mut self, stored: StoredState) -> Result<()> {
+        let like = self.instance.state.clone();
+        self.instance.state = stored.state;
+        self.instance.previous = stored.previous;
+        self.instance.validate(&like)
+    }
+
+    fn restore(&mut self, state: StoredState, driver: StoredDriver) -> Result<()> {
+        let instance = &mut self.instance;
+        instance.targets = driver.targets;
+        instance.pins = driver.pins;
+        instance.bending = driver.bending;
+        instance.limits = driver.limits;
+        instance.gravity = driver.gravity;
+        instance.factors = driver.factors;
+        self.restore_state(state)?;
+        self.restore_driving(driver.driving, &driver.placement, driver.awake)
+    }
+}
+
+impl World {
+    /// All that moves here, as it stands between two steps.
+    ///
+    /// # Errors
+    /// None that a sound world has.
+    pub fn snapshot(&self) -> Result<Snapshot> {
+        let asset = |batch: &Batch| -> Result<StoredAsset> {
+            Ok(StoredAsset {
+                name: batch.avatar.name.clone(),
+                checksum: checksum(batch.base())?,
+                room: batch.room(),
+            })
+        };
+        let avatars = self.batches.iter().filter(|b| !b.is_body).map(asset);
+        let assets = avatars.collect::<Result<Vec<_>>>()?;
+        let character =
+            |&(asset, place): &(usize, usize)| &self.batches[asset].characters[place];
+        let characters = || self.instances.values().map(character);
+        let of_bodies = || self.bodies.values().map(|body| character(&(body.asset, 0)));
+        let states: Vec<_> = characters().map(Character::stored_state).collect();
+        let drivers: Vec<_> = characters().map(Character::stored_driver).collect();
+        let body_states: Vec<_> = of_bodies().map(Character::stored_state).collect();
+        let world = StoredWorld {
+            settings: self.settings,
+            up: self.up,
+            gravity: self.gravity,
+        };
+        Ok(Snapshot {
+            sections: vec![
+                section(WORLD, &world)?,
+                section(ASSETS, &assets)?,
+                section(INSTANCES, &(&self.instances, states))?,
+                section(DRIVERS, &drivers)?,
+                section(BODIES, &(&self.bodies, body_states))?,
+                section(COLLIDERS, &self.colliders)?,
+            ],
+        })
+    }
+
+    /// Makes the world what it was: the avatars must have been handed in, the same ones in the same order. Keys name what
+    /// they named then. From there the same build, backend and device give the same bits.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of a snapshot of other avatars, of another version, or that is damaged. The world then is as it
+    /// was.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let world: StoredWorld = read(snapshot, WORLD)?;
+        world.settings.validate().map_err(|e| e.within("snapshot"))?;
+        let assets: Vec<StoredAsset> = read(snapshot, ASSETS)?;
+        let avatars = self.check_assets(&assets)?;
+        let (instances, states): (SlotMap<InstanceId, (usize, usize)>, Vec<StoredState>) =
+            read(snapshot, INSTANCES)?;
+        let drivers: Vec<StoredDriver> = read(snapshot, DRIVERS)?;
+        let (mut bodies, body_states): (SlotMap<BodyId, Body>, Vec<StoredState>) =
+            read(snapshot, BODIES)?;
+        let colliders: SlotMap<ColliderId, Collider> = read(snapshot, COLLIDERS)?;
+        for collider in colliders.values() {
+            (collider.validate()).map_err(|e| e.within("snapshot.colliders"))?;
+        }
+        let counted = instances.len() == states.len()
+            && states.len() == drivers.len()
+            && bodies.len() == body_states.len();
+        if !counted || !world.gravity.is_finite() {
+            return Err(damaged());
+        }
+        for (asset, stored) in assets.iter().enumerate() {
+            self.make_room(asset, stored.room)?;
+        }
+        let mut characters = Vec::new();
+        for ((&place, state), driver) in instances.values().zip(states).zip(drivers) {
+            let batch = self.batches.get(place.0).filter(|_| place.0 < avatars);
+            let batch = batch.filter(|b| place.1 < b.characters.len());
+            let batch = batch.ok_or_else(damaged)?;
+            let mut character = batch.character(world.gravity, &Frame::IDENTITY);
+            let restored = character.restore(state, driver);
+            restored.map_err(|e| e.within("snapshot"))?;
+            characters.push((place, character));
+        }
+        // Bodies' assets come after the avatars', in the order that they had.
+        let mut made = Vec::new();
+        for (body, state) in bodies.values_mut().zip(body_states) {
+            let (mut batch, evaluator) =
+                Batch::of_body(&self.opened, &body.rigid, world.settings, world.gravity)?;
+            batch.characters[0].restore_state(state)?;
+            made.push((body.asset, batch, evaluator));
+        }
+        made.sort_by_key(|(asset, ..)| *asset);
+        for body in bodies.values_mut() {
+            let rank = made.partition_point(|(asset, ..)| *asset < body.asset);
+            body.asset = avatars + rank;
+            body.collider = body.rigid.collider(0);
+        }
+        while self.batches.len() > avatars {
+            self.remove_asset(self.batches.len() - 1);
+        }
+        self.bodies = bodies;
+        for (rank, (_, batch, evaluator)) in made.into_iter().enumerate() {
+            self.batches.push(batch);
+            self.evaluators.insert(avatars + rank, evaluator);
+        }
+        for batch in &mut self.batches[..avatars] {
+            batch.used.fill(false);
+            batch.physics.settings = world.settings;
+        }
+        for ((asset, place), character) in characters {
+            self.batches[asset].characters[place] = character;
+            self.batches[asset].used[place] = true;
+        }
+        self.instances = instances;
+        self.colliders = colliders;
+        (self.settings, self.up, self.gravity) = (world.settings, world.up, world.gravity);
+        self.stepper = None;
+        Ok(())
+    }
+
+    /// That the avatars here are those of a snapshot; their number.
+    fn check_assets(&self, stored: &[StoredAsset]) -> Result<usize> {
+        let here = || self.batches.iter().filter(|b| !b.is_body);
+        let count = here().count();
+        if count != stored.len() {
+            let problem = format!("is of {} avatars; {count} were handed in", stored.len());
+            return Err(Error::invalid("snapshot", problem));
+        }
+        for (i, (batch, stored)) in here().zip(stored).enumerate() {
+            if checksum(batch.base())? != stored.checksum {
+                let (name, other) = (&stored.name, &batch.avatar.name);
+                let problem = format!(
+                    "is of another avatar, {name:?}, than {other:?}, which was handed in; hand in the same ones in the same order"
+                );
+                return Err(Error::invalid(format!("snapshot.avatars[{i}]"), problem));
+            }
+        }
+        Ok(count)
+    }
+}
+
+/// CRC-32 of an avatar as it was handed in.
+fn checksum(avatar: &Avatar) -> Result<u32> {
+    let bytes = postcard::to_stdvec(avatar).map_err(|e| Error::invalid("avatar", e.to_string()))?;
+    Ok(crc32fast::hash(&bytes))
+}
+
+fn section(tag: [u8; 4], content: &impl Serialize) -> Result<Section> {
+    let written = postcard::to_stdvec(content);
+    Ok(Section {
+        tag,
+        version: VERSION,
+        content: written.map_err(|e| Error::invalid("snapshot", e.to_string()))?,
+    })
+}
+
+fn read<T: DeserializeOwned>(snapshot: &Snapshot, tag: [u8; 4]) -> Result<T> {
+    let field = format!("snapshot.{}", tag.escape_ascii());
+    let found = snapshot.sections.iter().find(|s| s.tag == tag);
+    let section = found.ok_or_else(|| Error::invalid(field.clone(), "is missing"))?;
+    if section.version != VERSION {
+        let version = section.version;
+        let problem = format!("version {version}; this build reads {VERSION}");
+        return Err(Error::invalid(field, problem));
+    }
+    let read = postcard::take_from_bytes(&section.content);
+    match read {
+        Ok((content, [])) => Ok(content),
+        Ok(_) => Err(Error::invalid(field, "has bytes left over: it is damaged")),
+        Err(e) => Err(Error::invalid(field, format!("is damaged: {e}"))),
+    }
+}
+
+fn damaged() -> Error {
+    Error::invalid("snapshot", "is damaged: its sections do not fit each other")
+}

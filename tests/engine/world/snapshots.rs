@@ -1,0 +1,104 @@
+//! A world restored goes on with the same bits; what cannot be restored is refused.
+
+use super::limb;
+use std::sync::Arc;
+use supple::collider::{Collider, Shape};
+use supple::glam::{DMat3, DVec3};
+use supple::model::{Avatar, Frame, RigidBody, State};
+use supple::potential::TissueFactors;
+use supple::world::{Backend, InstanceId, Snapshot};
+use supple::{Result, World};
+
+fn at(x: f64, y: f64) -> Frame {
+    Frame {
+        position: DVec3::new(x, y, 0.0),
+        ..Frame::IDENTITY
+    }
+}
+
+/// Two assets, three instances, a ball on two of them, a floor.
+fn lively(assets: [Arc<Avatar>; 2]) -> Result<(World, Vec<InstanceId>)> {
+    let mut world = World::new(Backend::Cpu)?;
+    let [a, b] = assets;
+    // A body between the avatars: order of assets is not that of what was added.
+    let first = world.add_avatar(a)?;
+    let aside = RigidBody::new("aside", Shape::Sphere { radius: 0.02 }, 900.0)?.at(at(5.0, 1.0));
+    let gone = world.add_body(aside)?;
+    let ball = RigidBody::new("ball", Shape::Sphere { radius: 0.05 }, 900.0)?;
+    world.add_body(ball.at(at(0.12, 0.095)))?;
+    let second = world.add_avatar(b)?;
+    let mut keys = vec![world.add_instance(first)?];
+    keys.push(world.add_instance_at(second, &at(0.0, -0.02))?);
+    keys.push(world.add_instance_at(first, &at(0.0, 1.0))?);
+    world.remove_body(gone)?;
+    world.instance_mut(keys[2])?.ragdoll(1.0)?;
+    world.instance_mut(keys[1])?.set_factors(TissueFactors {
+        stiffness: 1.5,
+        ..TissueFactors::default()
+    })?;
+    let mut floor = Collider::new(Shape::HalfSpace, at(0.0, 0.7));
+    floor.frame.rotation = DMat3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    floor.previous = floor.frame;
+    let floor = world.add_collider(floor)?;
+    world.collider_mut(floor)?.friction = 0.3;
+    Ok((world, keys))
+}
+
+fn run(world: &mut World, keys: &[InstanceId], steps: std::ops::Range<u32>) -> Result<Vec<State>> {
+    for step in steps {
+        let frame = at(0.0, 0.002 * f64::from(step).sin());
+        world.instance_mut(keys[0])?.follow_frames(&[frame])?;
+        world.step_blocking(0.012)?;
+    }
+    let state = |&key| Ok(world.instance(key)?.state().clone());
+    keys.iter().map(state).collect()
+}
+
+#[test]
+fn a_restored_world_goes_on_with_the_same_bits() -> Result<()> {
+    let assets = || [limb(4, 6), limb(5, 8)];
+    let (mut world, keys) = lively(assets())?;
+    run(&mut world, &keys, 0..12)?;
+    let text = serde_json::to_string(&world.snapshot()?).unwrap();
+    let wanted = run(&mut world, &keys, 12..30)?;
+    assert!(world.instance(keys[0])?.report().contacts > 0, "nothing touched");
+    let snapshot: Snapshot = serde_json::from_str(&text).unwrap();
+    // In the same world, and in one that has only been handed the avatars.
+    let mut fresh = World::new(Backend::Cpu)?;
+    for asset in assets() {
+        fresh.add_avatar(asset)?;
+    }
+    for world in [&mut world, &mut fresh] {
+        world.restore(&snapshot)?;
+        assert_eq!(run(world, &keys, 12..30)?, wanted);
+    }
+    Ok(())
+}
+
+#[test]
+fn what_cannot_be_restored_is_refused_and_changes_nothing() -> Result<()> {
+    let (mut world, keys) = lively([limb(4, 6), limb(5, 8)])?;
+    run(&mut world, &keys, 0..5)?;
+    let snapshot = world.snapshot()?;
+    let (mut other, other_keys) = lively([limb(4, 6), limb(6, 8)])?;
+    let before = other.instance(other_keys[1])?.state().clone();
+    let error = other.restore(&snapshot).unwrap_err().to_string();
+    assert!(error.contains("avatars[1]"), "{error}");
+    let error = World::new(Backend::Cpu)?.restore(&snapshot).unwrap_err();
+    assert!(error.to_string().contains("2 avatars"), "{error}");
+    assert_eq!(other.instance(other_keys[1])?.state(), &before);
+    let whole = serde_json::to_value(&snapshot).unwrap();
+    for k in 0..whole["sections"].as_array().unwrap().len() {
+        let mut cut = whole.clone();
+        cut["sections"][k]["content"].as_array_mut().unwrap().pop();
+        let cut: Snapshot = serde_json::from_value(cut).unwrap();
+        assert!(world.restore(&cut).is_err(), "section {k} cut short");
+        let mut missing = whole.clone();
+        missing["sections"].as_array_mut().unwrap().remove(k);
+        let missing: Snapshot = serde_json::from_value(missing).unwrap();
+        assert!(world.restore(&missing).is_err(), "section {k} is missing");
+    }
+    let now = world.snapshot()?;
+    assert_eq!(now, snapshot);
+    Ok(())
+}
