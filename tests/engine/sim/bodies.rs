@@ -307,7 +307,7 @@ fn a_scene_throws_a_body() -> Result<()> {
     let potential = CpuPotential::new(avatar.clone(), 1)?;
     let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
     let run = run_scene(&scene, &avatar, &mut simulation, &mut |_| {})?;
-    let (n, h, g) = (f64::from(30), 0.01, scene.gravity);
+    let (n, h, g) = (f64::from(30), 0.01, scene.gravity());
     let body = &scene.bodies[0];
     let flown = body.position + body.velocity * n * h + 0.5 * h * h * n * (n + 1.0) * g;
     let frame = simulation.instances()[0].state.frames[1];
