@@ -2,6 +2,7 @@
 
 use super::measure::longest;
 use super::{Bound, Figure, Page, Runner};
+use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
 use supple::internal::cpu::mechanics;
@@ -40,8 +41,12 @@ fn draw(runner: &Runner) -> Result<Page> {
     let mut default = stout.clone();
     default.set_shape(&[])?;
     let mut dolls = Vec::new();
-    for (name, avatar) in [("default", default), ("stout", stout)] {
+    // The default body's pelvis hangs at the height of the stout one's.
+    let place = scene.placement.position;
+    let higher = DVec3::new(0.0, -0.002, 0.06);
+    for (name, avatar, place) in [("default", default, higher), ("stout", stout, place)] {
         scene.avatar = avatar;
+        scene.placement.position = place;
         dolls.push(play(runner, &scene, name)?);
     }
     // One scale for both.

@@ -6,7 +6,7 @@ use supple::glam::{DMat4, DQuat, DVec3, Vec3};
 use supple::internal::features::pose_feature;
 use supple::internal::math::Rows;
 use supple::internal::{random_avatar, random_state};
-use supple::model::{Avatar, Frame, SkinWeight, State};
+use supple::model::{Avatar, Frame, SkinWeight, State, UpAxis};
 use supple_files::{GlbReport, Prop, Recording, solid_surface, write_glb};
 
 /// States that blend smoothly between a few random ones, as a motion does.
@@ -18,6 +18,7 @@ fn recording(avatar: &Avatar, states: usize) -> Recording {
         from.moved(&from.step_to(to), u.fract())
     };
     Recording {
+        up: UpAxis::Z,
         times: (0..states).map(|s| 0.01 * s as f64).collect(),
         states: (0..states).map(state).collect(),
         props: vec![Prop {

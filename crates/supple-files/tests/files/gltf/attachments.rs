@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use serde_json::json;
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
-use supple::model::Frame;
+use supple::model::{Frame, UpAxis};
 use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation};
 use supple_bake::{Attachment, Body, Recipe, bake, from_bytes, full_space, to_bytes};
@@ -200,6 +200,7 @@ fn attachments_are_baked_and_drawn() {
         .iter_mut()
         .for_each(|h| *h = DVec3::new(0.0, 0.01, 0.0));
     let recording = Recording {
+        up: UpAxis::Z,
         times: vec![0.0],
         states: vec![state],
         props: Vec::new(),

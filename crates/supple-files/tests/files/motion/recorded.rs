@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::rotation_log;
-use supple::model::Frame;
+use supple::model::{Frame, UpAxis};
 use supple_files::{Align, read_character, read_gltf_motions};
 use supple_scene::{Playback, TrackedMotion};
 
@@ -38,7 +38,7 @@ fn the_walk_is_the_same_from_bvh_and_glb() {
         origin: Some(supple_files::Origin::Motion),
         ..TrackedMotion::of_file(&bvh)
     };
-    let mut playback = Playback::open(&motion, &skeleton, DVec3::Y).unwrap();
+    let mut playback = Playback::open(&motion, &skeleton, UpAxis::Y, UpAxis::Y).unwrap();
     let hips = (own.find("Hips").unwrap(), skeleton.find("Hips").unwrap());
     let way = |from: DVec3, to: DVec3| (to - from).length();
     let (mut ends, mut sum) = (Vec::new(), 0.0);
@@ -83,7 +83,7 @@ fn a_character_s_own_clip_is_exact() {
             origin: Some(supple_files::Origin::Motion),
             ..TrackedMotion::of_file(&path)
         };
-        let mut playback = Playback::open(&motion, &body.skeleton, DVec3::Y).unwrap();
+        let mut playback = Playback::open(&motion, &body.skeleton, UpAxis::Y, UpAxis::Y).unwrap();
         for k in [0, 3, 11] {
             let time = f64::from(k) / 11.0 * clip.duration();
             let expected = clip.world_frames(&clip.sample(time));
@@ -113,7 +113,7 @@ fn tracked_hands_pose_hands() {
             mirror,
             ..TrackedMotion::of_file(&path)
         };
-        let mut playback = Playback::open(&motion, &skeleton, DVec3::Z).unwrap();
+        let mut playback = Playback::open(&motion, &skeleton, UpAxis::Y, UpAxis::Z).unwrap();
         assert_eq!(playback.retarget().map().pairs.len(), 16, "{name}");
         playback.stand_at(&skeleton.bind_pose());
         let frames = playback.frames(0.0).unwrap();
