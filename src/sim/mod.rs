@@ -16,6 +16,7 @@
 //! | `line_search` | how far they move along their steps |
 //! | `iteration` | what an observer sees of an iteration |
 //! | `newton` | the iterations |
+//! | `step_end` | what the states that a step ends with tell |
 //! | `simulation` | a step from its start to the new state |
 //! | `energy_balance` | mechanical energy, measured between steps |
 
@@ -32,6 +33,7 @@ mod prediction;
 mod report;
 mod settings;
 mod simulation;
+mod step_end;
 mod step_start;
 
 pub use dense_cholesky::DenseCholesky;

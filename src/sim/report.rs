@@ -75,21 +75,24 @@ pub struct InstanceReport {
     /// [`Settings::geometric_contact`](super::Settings::geometric_contact).
     #[serde(default)]
     pub geometric_dropped: usize,
-    /// E(last evaluated iterate) − E(qⁿ), J.
+    /// E(q) − E(qⁿ), J. This and what follows is of the state that the step ends with where a bone is pinned or
+    /// [`Settings::report_at_end`](super::Settings::report_at_end) is set, else of the iterate that was evaluated last: after
+    /// one iteration that is the prediction, whose contacts may be far from those of the end.
     pub energies: Energies,
     /// The same of the skeleton's terms.
     pub skeleton_energies: SkeletonEnergies,
-    /// Sum of the contact forces on the skin at the last evaluated iterate, N.
+    /// Sum of the contact forces on the skin, N.
     pub contact_force: DVec3,
-    /// Active contacts there.
+    /// Active contacts.
     pub contacts: usize,
-    /// Contacts there for which the evaluation has no room ([`Evaluation::contacts_left_out`]).
+    /// Contacts for which the evaluation has no room ([`Evaluation::contacts_left_out`]).
     ///
     /// [`Evaluation::contacts_left_out`]: crate::potential::Evaluation::contacts_left_out
     pub contacts_left_out: usize,
     /// Largest distance between the two sides of a joint, m.
     pub max_joint_gap: f64,
-    /// What targets and pins exert at the step's end, to first order in the last Newton step.
+    /// What targets and pins exert at the step's end. A pin's is ∂E/∂q there: contact, weight, the change of momentum, and
+    /// what neighbouring bones put on it.
     pub loads: Vec<Load>,
     /// Weight of bones and tissue, N.
     pub weight: DVec3,

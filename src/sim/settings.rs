@@ -75,6 +75,8 @@ pub struct Settings {
     /// converged run at most instead of 0.017 mm; where bones are prescribed, as in `bone_press_s` (7.38 iterations
     /// either way), they change nothing. On the GPU they cost a readback of the contacts and an assembly on the CPU.
     pub geometric_contact: bool,
+    /// Whether reports are of the state that a step ends with also where no bone is pinned; where one is, they are. MEASURED
+    pub report_at_end: bool,
 }
 
 impl Default for Settings {
@@ -87,6 +89,7 @@ impl Default for Settings {
             limit_stiffness: 1e3,
             slip_speed: 1e-3,
             geometric_contact: false,
+            report_at_end: false,
         }
     }
 }

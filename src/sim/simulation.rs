@@ -9,10 +9,11 @@ use super::newton::Newton;
 use super::prediction::{fall_back, predict};
 use super::report::{InstanceReport, Load, StepReport, Timings};
 use super::settings::Settings;
+use super::step_end::StepEnds;
 use super::step_start::{skeleton_start, tissue_start};
 use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
-use crate::potential::{Potential, StepEnd, StepStart};
+use crate::potential::{Potential, StepStart};
 use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -28,9 +29,7 @@ pub struct Simulation<P: Potential> {
     newton: Newton,
     /// Memory of the starts of a step.
     starts: Vec<StepStart<'static>>,
-    /// Whose ends are asked for, and what is said of them.
-    end_wanted: Vec<bool>,
-    ends: Vec<StepEnd>,
+    ends: StepEnds,
 }
 
 impl<P: Potential> Simulation<P> {
@@ -81,8 +80,7 @@ impl<P: Potential> Simulation<P> {
             skeleton,
             captured_under_gravity: avatar.captured_under_gravity,
             starts: Vec::new(),
-            end_wanted: vec![false; instances.len()],
-            ends: vec![StepEnd::default(); instances.len()],
+            ends: StepEnds::new(instances.len()),
             instances,
         })
     }
@@ -186,7 +184,13 @@ impl<P: Potential> Simulation<P> {
                 return Err(Error::NotFinite { quantity: "state" });
             }
         }
-        self.end_step(&mut timings).await?;
+        let end = Stopwatch::start();
+        let always = self.settings.report_at_end;
+        let wanted = (self.instances.iter()).map(|i| always || !i.pins.is_empty());
+        (self.ends)
+            .report(&mut self.potential, &mut self.newton, wanted)
+            .await?;
+        timings.evaluation += end.ms();
         let skin = Stopwatch::start();
         self.potential
             .pose_skin(&self.newton.iterates.states)
@@ -266,31 +270,6 @@ impl<P: Potential> Simulation<P> {
             .begin_step(&starts, &self.newton.active)
             .await?;
         self.starts = recycled(starts);
-        timings.evaluation += watch.ms();
-        Ok(())
-    }
-
-    /// Reports on the states that the step ends with, where bones are prescribed.
-    async fn end_step(&mut self, timings: &mut Timings) -> Result<()> {
-        let watch = Stopwatch::start();
-        for (wanted, (instance, active)) in
-            (self.end_wanted.iter_mut()).zip(self.instances.iter().zip(&self.newton.active))
-        {
-            *wanted = *active && !instance.pins.is_empty();
-        }
-        let states = &self.newton.iterates.states;
-        (self
-            .potential
-            .end_step(states, &self.end_wanted, &mut self.ends))
-        .await?;
-        for (i, end) in self
-            .ends
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| self.end_wanted[*i])
-        {
-            self.newton.minimisations[i].end(&states[i].frames, end);
-        }
         timings.evaluation += watch.ms();
         Ok(())
     }
