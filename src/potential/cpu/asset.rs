@@ -5,6 +5,7 @@ use super::points::Points;
 use super::pose_columns::PoseColumns;
 use super::{Basis, Incidence};
 use crate::Result;
+use crate::material::MaterialPoint;
 use crate::math::Rows;
 use crate::model::{Avatar, Space};
 use crate::potential::BlockPattern;
@@ -49,5 +50,12 @@ impl<B: Basis> Asset<B> {
             cubature,
             skin,
         })
+    }
+
+    /// The tissue at cubature point `i`, `factor` times as stiff as it was baked.
+    pub fn tissue_at(&self, i: usize, factor: f64) -> MaterialPoint<'_> {
+        let mut tissue = self.avatar.tissue_at(i);
+        tissue.local.stiffness *= factor;
+        tissue
     }
 }

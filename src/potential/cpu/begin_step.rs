@@ -11,7 +11,7 @@ use super::{Basis, Motion, energy};
 use crate::collider::Collider;
 use crate::material::MaterialPoint;
 use crate::math::{Strided, par_join, par_split};
-use crate::model::{Avatar, Frame, State, pose_feature_into};
+use crate::model::{Frame, State, pose_feature_into};
 use crate::potential::StepStart;
 use crate::potential::cpu::pose_skin::PosedSkin;
 use glam::{DMat3, DVec3};
@@ -121,7 +121,7 @@ impl Step {
         motion.set(start.previous, start.current, self.origin);
         let (feature, motion) = (&*feature, &*motion);
         let mut starts = std::mem::take(&mut self.starts);
-        let tissue = |i: usize| scaled_tissue(avatar, factors.stiffness, i);
+        let tissue = |i: usize| asset.tissue_at(i, factors.stiffness);
         par_join(
             || starts.begin(asset, feature, &start.previous.handles, motion, tissue),
             || self.begin_skin(asset, feature, motion, touching, posed_skin),
@@ -200,7 +200,7 @@ impl Step {
 
     /// The tissue at cubature point `i`, with this step's factor.
     pub fn tissue_at<'a, B: Basis>(&self, asset: &'a Asset<B>, i: usize) -> MaterialPoint<'a> {
-        scaled_tissue(&asset.avatar, self.stiffness, i)
+        asset.tissue_at(i, self.stiffness)
     }
 
     /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
@@ -318,11 +318,4 @@ impl Step {
         }
         sum
     }
-}
-
-/// The tissue of `avatar` at cubature point `i`, `factor` times as stiff.
-fn scaled_tissue(avatar: &Avatar, factor: f64, i: usize) -> MaterialPoint<'_> {
-    let mut tissue = avatar.tissue_at(i);
-    tissue.local.stiffness *= factor;
-    tissue
 }

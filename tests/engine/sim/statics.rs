@@ -10,7 +10,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::mechanics;
 use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame};
-use supple::potential::CpuPotential;
+use supple::potential::{CpuPotential, Evaluation, Potential};
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
 use supple::skeleton::Tracking;
 
@@ -244,5 +244,46 @@ fn a_pins_load_balances_contact_weight_and_momentum_in_every_step() -> Result<()
         }
     }
     assert!(most > 5.0, "pressed with {most} N only");
+    Ok(())
+}
+
+/// Without a pin a report is of the prediction unless the settings ask for the end; the step itself is the same to the bit.
+#[test]
+fn reports_of_free_bones_are_of_the_end_on_request() -> Result<()> {
+    let avatar = support::full_space_limb(&support::SMALL, 1, false);
+    let run = |report_at_end| -> Result<_> {
+        let settings = Settings {
+            report_at_end,
+            ..Settings::default()
+        };
+        let mut simulation = simulation(&avatar, settings);
+        let instance = &mut simulation.instances_mut()[0];
+        let frame = instance.state.frames[0];
+        instance.targets.push(Tracking::new(0, frame));
+        let place = |z: f64| Frame {
+            position: DVec3::new(0.1, 0.0, z),
+            rotation: DMat3::IDENTITY,
+        };
+        let ball = Shape::Sphere { radius: 0.03 };
+        instance.colliders.push(Collider::new(ball, place(0.07)));
+        let mut report = None;
+        for step in 1..=10 {
+            simulation.instances_mut()[0].colliders[0].frame = place(0.07 - 0.0005 * step as f64);
+            report = Some(simulation.step_blocking()?.instances.remove(0));
+        }
+        let state = simulation.instances()[0].state.clone();
+        let mut at_end = [Evaluation::default()];
+        let states = std::slice::from_ref(&state);
+        pollster::block_on((simulation.potential_mut()).evaluate(states, &[true], &mut at_end))?;
+        Ok((state, report.unwrap(), at_end))
+    };
+    let (state, report, [at_end]) = run(true)?;
+    let (same, predicted, _) = run(false)?;
+    assert_eq!(state, same);
+    assert!(report.contact_force.length() > 0.1);
+    assert_eq!(report.contact_force, at_end.contact_force);
+    assert_eq!(report.contacts, at_end.contacts);
+    assert_eq!(report.energies, at_end.energies);
+    assert_ne!(predicted.contact_force, at_end.contact_force);
     Ok(())
 }

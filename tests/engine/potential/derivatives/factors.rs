@@ -84,12 +84,19 @@ fn with_factors_gradient_and_hessian_are_those_of_the_energy() {
     }
 }
 
+/// A factor's name, itself, and values that it cannot have.
+type Refused = (
+    &'static str,
+    fn(&mut TissueFactors) -> &mut f64,
+    &'static [f64],
+);
+
 #[test]
 fn unusable_factors_are_refused_by_name() {
     let case = case(TissueFactors::default());
     let [previous, current, _] = &case.states();
     let mut potential = case.reference();
-    let set: [(&str, fn(&mut TissueFactors) -> &mut f64, &[f64]); 4] = [
+    let set: [Refused; 4] = [
         (
             "stiffness",
             |f| &mut f.stiffness,
