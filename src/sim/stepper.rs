@@ -116,7 +116,9 @@ impl Stepper {
                 fall_back(skeleton, instance, fallback);
                 predict(skeleton, instance, iterate);
                 minimisation.fixed.fill(false);
+                minimisation.prescribed.fill(false);
                 for pin in &instance.pins {
+                    minimisation.prescribed[pin.bone] = true;
                     minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
                 }
             },
@@ -167,9 +169,7 @@ impl Stepper {
         let Some(mode) = mode else {
             return Ok(());
         };
-        newton
-            .minimise(members, mode, timings, observer)
-            .await?;
+        newton.minimise(members, mode, timings, observer).await?;
         for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
             if *active && !state.is_finite() {
                 return Err(Error::NotFinite { quantity: "state" });
@@ -199,7 +199,12 @@ impl Stepper {
         par_members(range.len(), parts, |i, (minimisation, instance)| {
             let member = range.start + i;
             if active[member] {
-                commit(minimisation, &states[member], physics, instance.borrow_mut());
+                commit(
+                    minimisation,
+                    &states[member],
+                    physics,
+                    instance.borrow_mut(),
+                );
             }
         });
     }

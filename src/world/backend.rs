@@ -3,12 +3,12 @@
 #[cfg(feature = "gpu")]
 use crate::gpu::{AdapterChoice, GpuDevice};
 use crate::model::{Avatar, State};
+use crate::potential::{
+    BlockPattern, CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, StepEnd,
+    StepStart, Trial,
+};
 #[cfg(feature = "gpu")]
 use crate::potential::{GpuOptions, GpuPotential};
-use crate::potential::{
-    BlockPattern, CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, StepEnd, StepStart,
-    Trial,
-};
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};

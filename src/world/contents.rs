@@ -6,10 +6,10 @@ use super::character::{Character, rigid};
 use super::evaluators::Evaluators;
 use super::keys::{AvatarId, BodyId, ColliderId, InstanceId};
 use super::meetings::Meetings;
+use crate::Result;
 use crate::collider::Collider;
 use crate::model::{Avatar, Frame, RigidBody, UpAxis};
 use crate::sim::{InstanceReport, Settings, Stepper, Timings};
-use crate::Result;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use slotmap::SlotMap;
@@ -233,7 +233,9 @@ impl World {
     /// # Errors
     /// A key of none.
     pub fn collider_mut(&mut self, collider: ColliderId) -> Result<&mut Collider> {
-        self.colliders.get_mut(collider).ok_or_else(|| gone("collider"))
+        self.colliders
+            .get_mut(collider)
+            .ok_or_else(|| gone("collider"))
     }
 
     /// The ground, at height zero: a half-space below the world's up, with friction.
@@ -251,7 +253,9 @@ impl World {
     /// # Errors
     /// A key of none.
     pub fn remove_collider(&mut self, collider: ColliderId) -> Result<Collider> {
-        self.colliders.remove(collider).ok_or_else(|| gone("collider"))
+        self.colliders
+            .remove(collider)
+            .ok_or_else(|| gone("collider"))
     }
 
     /// A rigid body, which falls, rests on colliders, is pushed by all avatars that touch it and pushes back.
@@ -259,8 +263,7 @@ impl World {
     /// # Errors
     /// A body that is not sound.
     pub fn add_body(&mut self, body: RigidBody) -> Result<BodyId> {
-        let (batch, evaluator) =
-            Batch::of_body(&self.opened, &body, self.settings, self.gravity)?;
+        let (batch, evaluator) = Batch::of_body(&self.opened, &body, self.settings, self.gravity)?;
         let asset = self.push(batch, evaluator);
         Ok(self.bodies.insert(Body {
             collider: body.collider(0),
@@ -385,7 +388,9 @@ impl World {
         let moved = |of: &mut usize| *of -= usize::from(*of > asset);
         self.avatars.values_mut().for_each(moved);
         self.instances.values_mut().for_each(|(of, _)| moved(of));
-        self.bodies.values_mut().for_each(|body| moved(&mut body.asset));
+        self.bodies
+            .values_mut()
+            .for_each(|body| moved(&mut body.asset));
         self.stepper = None;
     }
 

@@ -9,7 +9,7 @@ use crate::collider::Collider;
 use crate::file::Section;
 use crate::model::{Avatar, Frame, State, UpAxis};
 use crate::potential::TissueFactors;
-use crate::sim::{Pin, Settings};
+use crate::sim::{Pin, Settings, SolverMode};
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -35,9 +35,63 @@ const VERSION: u32 = 1;
 
 #[derive(Serialize, Deserialize)]
 struct StoredWorld {
-    settings: Settings,
+    settings: StoredSettings,
     up: UpAxis,
     gravity: DVec3,
+}
+
+/// [`Settings`] without tags in text, which the sections' format has none of.
+#[derive(Serialize, Deserialize)]
+struct StoredSettings {
+    time_step: f64,
+    /// Tolerance and most iterations; none of the one-iteration mode.
+    converged: Option<(f64, usize)>,
+    joint_stiffness: f64,
+    bending_stiffness: f64,
+    limit_stiffness: f64,
+    slip_speed: f64,
+    geometric_contact: bool,
+    report_at_end: bool,
+}
+
+impl From<Settings> for StoredSettings {
+    fn from(settings: Settings) -> Self {
+        Self {
+            time_step: settings.time_step,
+            converged: match settings.solver {
+                SolverMode::OneIteration => None,
+                SolverMode::Converged {
+                    tolerance,
+                    max_iterations,
+                } => Some((tolerance, max_iterations)),
+            },
+            joint_stiffness: settings.joint_stiffness,
+            bending_stiffness: settings.bending_stiffness,
+            limit_stiffness: settings.limit_stiffness,
+            slip_speed: settings.slip_speed,
+            geometric_contact: settings.geometric_contact,
+            report_at_end: settings.report_at_end,
+        }
+    }
+}
+
+impl From<StoredSettings> for Settings {
+    fn from(stored: StoredSettings) -> Self {
+        let converged = |(tolerance, max_iterations)| SolverMode::Converged {
+            tolerance,
+            max_iterations,
+        };
+        Self {
+            time_step: stored.time_step,
+            solver: stored.converged.map_or(SolverMode::OneIteration, converged),
+            joint_stiffness: stored.joint_stiffness,
+            bending_stiffness: stored.bending_stiffness,
+            limit_stiffness: stored.limit_stiffness,
+            slip_speed: stored.slip_speed,
+            geometric_contact: stored.geometric_contact,
+            report_at_end: stored.report_at_end,
+        }
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -125,15 +179,14 @@ impl World {
         };
         let avatars = self.batches.iter().filter(|b| !b.is_body).map(asset);
         let assets = avatars.collect::<Result<Vec<_>>>()?;
-        let character =
-            |&(asset, place): &(usize, usize)| &self.batches[asset].characters[place];
+        let character = |&(asset, place): &(usize, usize)| &self.batches[asset].characters[place];
         let characters = || self.instances.values().map(character);
         let of_bodies = || self.bodies.values().map(|body| character(&(body.asset, 0)));
         let states: Vec<_> = characters().map(Character::stored_state).collect();
         let drivers: Vec<_> = characters().map(Character::stored_driver).collect();
         let body_states: Vec<_> = of_bodies().map(Character::stored_state).collect();
         let world = StoredWorld {
-            settings: self.settings,
+            settings: self.settings.into(),
             up: self.up,
             gravity: self.gravity,
         };
@@ -157,7 +210,8 @@ impl World {
     /// was.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let world: StoredWorld = read(snapshot, WORLD)?;
-        world.settings.validate().map_err(|e| e.within("snapshot"))?;
+        let settings = Settings::from(world.settings);
+        settings.validate().map_err(|e| e.within("snapshot"))?;
         let assets: Vec<StoredAsset> = read(snapshot, ASSETS)?;
         let avatars = self.check_assets(&assets)?;
         let (instances, states): (SlotMap<InstanceId, (usize, usize)>, Vec<StoredState>) =
@@ -192,7 +246,7 @@ impl World {
         let mut made = Vec::new();
         for (body, state) in bodies.values_mut().zip(body_states) {
             let (mut batch, evaluator) =
-                Batch::of_body(&self.opened, &body.rigid, world.settings, world.gravity)?;
+                Batch::of_body(&self.opened, &body.rigid, settings, world.gravity)?;
             batch.characters[0].restore_state(state)?;
             made.push((body.asset, batch, evaluator));
         }
@@ -212,7 +266,7 @@ impl World {
         }
         for batch in &mut self.batches[..avatars] {
             batch.used.fill(false);
-            batch.physics.settings = world.settings;
+            batch.physics.settings = settings;
         }
         for ((asset, place), character) in characters {
             self.batches[asset].characters[place] = character;
@@ -220,7 +274,7 @@ impl World {
         }
         self.instances = instances;
         self.colliders = colliders;
-        (self.settings, self.up, self.gravity) = (world.settings, world.up, world.gravity);
+        (self.settings, self.up, self.gravity) = (settings, world.up, world.gravity);
         self.stepper = None;
         Ok(())
     }
