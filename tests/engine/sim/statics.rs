@@ -264,11 +264,13 @@ fn reports_of_free_bones_are_of_the_end_on_request() -> Result<()> {
             position: DVec3::new(0.1, 0.0, z),
             rotation: DMat3::IDENTITY,
         };
-        let ball = Shape::Sphere { radius: 0.05 };
-        instance.colliders.push(Collider::new(ball, place(0.085)));
+        let plate = Shape::Box {
+            half_extents: [0.1; 3],
+        };
+        instance.colliders.push(Collider::new(plate, place(0.14)));
         let mut report = None;
         for step in 1..=10 {
-            simulation.instances_mut()[0].colliders[0].frame = place(0.085 - 0.0015 * step as f64);
+            simulation.instances_mut()[0].colliders[0].frame = place(0.14 - 0.0005 * step as f64);
             report = Some(simulation.step_blocking()?.instances.remove(0));
         }
         let state = simulation.instances()[0].state.clone();
