@@ -12,7 +12,9 @@ use supple::glam::DVec3;
 use supple::model::Frame;
 use supple::world::Backend;
 use supple::{Error, Result, World};
-use supple_files::{CharacterOptions, ClipOptions, ClipPlayer, read_character, read_gltf_motions};
+use supple_files::{
+    CharacterOptions, ClipOptions, ClipPlayer, RetargetOptions, read_character, read_gltf_motions,
+};
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
@@ -25,10 +27,20 @@ fn main() -> Result<()> {
     let (avatar, _) = supple_bake::bake(&file.body, &recipe, &mut |_| {})?;
     let clips = read_gltf_motions(&character)?;
     let clip = clips.into_iter().next().ok_or_else(usage)?;
-    let player = ClipPlayer::new(clip, &avatar.skeleton, &ClipOptions::default())?;
+    let mut world = World::new(Backend::Auto)?;
+    let options = ClipOptions {
+        retarget: RetargetOptions {
+            avatar_up: Some(avatar.up),
+            up: world.up().direction(),
+            ..RetargetOptions::default()
+        },
+        repeat: true,
+        ..ClipOptions::default()
+    };
+    let mut player = ClipPlayer::new(clip, &avatar.skeleton, &options)?;
+    player.stand_at(&avatar.placed(&avatar.standing(world.up())).frames);
     let joints = avatar.joints.clone();
 
-    let mut world = World::new(Backend::Auto)?;
     let key = world.add_avatar(avatar)?;
     let key = world.add_instance(key)?;
     world.add_ground()?;
@@ -36,7 +48,7 @@ fn main() -> Result<()> {
     let start = player.frames(0.0);
     let centre = start.iter().map(|f| f.position).sum::<DVec3>() / start.len() as f64;
     let at = |time: f64| Frame {
-        position: centre + DVec3::new(0.0, 0.0, 0.35 - 0.2 * time.min(1.0)),
+        position: centre + DVec3::new(0.0, 0.0, 0.35 - 0.13 * time.min(1.0)),
         ..Frame::IDENTITY
     };
     let ball = world.add_collider(Collider::new(Shape::Sphere { radius: 0.1 }, at(0.0)))?;

@@ -32,13 +32,15 @@ fn main() -> Result<()> {
     // Once; a game reads what `supple bake` has written, by `supple::file::read_avatar`.
     let (body, recipe) = AvatarSource::of_sample(Sample::Hand).body()?;
     let (avatar, _) = supple_bake::bake(&body, &recipe, &mut |_| {})?;
-    // The highest vertex of the palm's side, above which the ball comes down.
-    let top = avatar.skin.position.iter().copied();
-    let top = top.fold(DVec3::NEG_INFINITY, |a, b| if b.y > a.y { b } else { a });
-
     let mut world = World::new(backend)?;
     let hand = world.add_avatar(avatar)?;
     let hand = world.add_instance(hand)?;
+    world.step_blocking(1.0 / 60.0)?;
+    let (mut skin, mut normals) = (Vec::new(), Vec::new());
+    world.read_skin_blocking(hand, &mut skin, &mut normals)?;
+    // The ball comes down above the highest vertex.
+    let highest = |a: DVec3, b: DVec3| if b.y > a.y { b } else { a };
+    let top = skin.iter().copied().fold(DVec3::NEG_INFINITY, highest);
     let radius = 0.02;
     let at = |depth: f64| Frame {
         position: top + (radius - depth) * DVec3::Y,
@@ -48,7 +50,7 @@ fn main() -> Result<()> {
     let look = Look {
         target: top - 0.02 * DVec3::Y,
         from: DVec3::new(0.9, 0.35, 0.5),
-        height: 0.16,
+        height: 0.12,
     };
     let mut pictures = Vec::new();
     for frame in 0..60 {
