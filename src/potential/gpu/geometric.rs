@@ -1,7 +1,7 @@
 //! The geometric terms of contact on the GPU's way: the rows of the active contacts are read back, and
 //! [`crate::potential::cpu::geometric`] assembles their terms in f64.
 
-use super::potential::{GpuPotential, Start};
+use super::recorder::{Recorder, Start};
 use super::shared::Contact;
 use crate::model::State;
 use crate::potential::cpu::contact::ContactRow;
@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 
 /// The terms of the rows in `contacts`, as read back, at `state`; none where the step did not ask for them.
 pub(super) fn geometric_terms(
-    potential: &GpuPotential,
+    recorder: &Recorder,
     start: &Start,
     state: &State,
     contacts: &[u8],
@@ -22,8 +22,8 @@ pub(super) fn geometric_terms(
     let Some(feature) = &start.geometric else {
         return;
     };
-    out.resize(potential.pattern.len(), [0.0; 9]);
-    let (skin, joints) = (&potential.avatar.skin, &potential.avatar.skeleton.joints);
+    out.resize(recorder.pattern.len(), [0.0; 9]);
+    let (skin, joints) = (&recorder.avatar.skin, &recorder.avatar.skeleton.joints);
     let mut rows = contacts
         .chunks_exact(size_of::<Contact>())
         .map(bytemuck::pod_read_unaligned::<Contact>);
@@ -45,13 +45,6 @@ pub(super) fn geometric_terms(
             force: row.force.into(),
             stiffness: row.stiffness.into(),
         };
-        add_geometric(
-            &potential.pattern,
-            &row,
-            &vertex,
-            joints,
-            &state.frames,
-            out,
-        );
+        add_geometric(&recorder.pattern, &row, &vertex, joints, &state.frames, out);
     }
 }
