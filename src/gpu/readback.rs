@@ -24,9 +24,12 @@ pub enum Waiting {
 pub struct Patience {
     /// Who drives the device.
     pub waiting: Waiting,
-    /// How long a future that blocks its thread waits at most.
+    /// How long a future that blocks its thread waits at most; [`FIRST`] times as long for a first answer.
     pub timeout: Duration,
 }
+
+/// Some drivers compile a kernel when it is first run: seconds, on a CPU that plays a GPU.
+const FIRST: u32 = 10;
 
 /// A staging buffer and the way to wait for it.
 #[derive(Debug)]
@@ -34,6 +37,8 @@ pub struct Readback {
     label: String,
     staging: wgpu::Buffer,
     patience: Patience,
+    /// Whether anything has been read.
+    answered: bool,
 }
 
 impl Readback {
@@ -63,6 +68,7 @@ impl Readback {
             label: label.to_owned(),
             staging,
             patience,
+            answered: false,
         })
     }
 
@@ -90,7 +96,7 @@ impl Readback {
     /// [`GpuError::DeviceLost`] where the device or the mapping failed, [`GpuError::Timeout`] where the device took too
     /// long.
     pub async fn read(
-        &self,
+        &mut self,
         device: &wgpu::Device,
         submission: wgpu::SubmissionIndex,
         bytes: u64,
@@ -106,20 +112,25 @@ impl Readback {
             staging: &self.staging,
             mapped: &mapped,
         };
+        let timeout = match self.answered {
+            true => self.patience.timeout,
+            false => self.patience.timeout.saturating_mul(FIRST),
+        };
         if self.patience.waiting == Waiting::Block {
             let waited = wgpu::PollType::Wait {
                 submission_index: Some(submission),
-                timeout: Some(self.patience.timeout),
+                timeout: Some(timeout),
             };
             device.poll(waited).map_err(|error| match error {
                 wgpu::PollError::Timeout => GpuError::Timeout {
                     what: self.label.clone(),
-                    waited: self.patience.timeout,
+                    waited: timeout,
                 },
                 wgpu::PollError::WrongSubmissionIndex(..) => lost(error.to_string()),
             })?;
         }
         mapped.clone().await.map_err(lost)?;
+        self.answered = true;
         std::mem::forget(pending);
         let view = self.staging.get_mapped_range(0..bytes);
         let mut out = Bytes {

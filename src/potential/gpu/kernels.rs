@@ -97,7 +97,7 @@ impl GpuKernels {
         })))
     }
 
-    /// That they are of `device` and of the law of `material`.
+    /// That they are of `device`, as far as wgpu tells devices apart (not those of two instances of it), and of the law of `material`.
     pub(super) fn check(&self, device: &wgpu::Device, material: &Material) -> Result<()> {
         if self.0.device != *device {
             let problem = "were compiled for another device: compile them for this one";

@@ -19,7 +19,8 @@ pub struct GpuOptions {
     /// Who drives the device while a readback is awaited.
     pub waiting: Waiting,
     /// How long a readback that blocks its thread ([`Waiting::Block`]) is awaited at most, before it is a
-    /// [`GpuError::Timeout`](crate::GpuError::Timeout).
+    /// [`GpuError::Timeout`](crate::GpuError::Timeout); the first answer ten times as long, since some drivers compile
+    /// kernels when they first run.
     pub timeout: Duration,
 }
 

@@ -2,7 +2,7 @@
 
 use super::case::{Case, Outcome, case, device, joined, potential, run, start};
 use std::sync::Arc;
-use supple::gpu::Waiting;
+use supple::gpu::{Waiting, required_limits};
 use supple::internal::gpu_plumbing::{Patience, Submission};
 use supple::internal::random_avatar;
 use supple::material::Material;
@@ -10,7 +10,7 @@ use supple::model::{Avatar, State};
 use supple::potential::{
     Evaluation, GpuKernels, GpuOptions, GpuPotential, Potential, StepStart, Trial,
 };
-use supple::{Error, Result};
+use supple::{Error, Result, wgpu};
 
 const PATIENCE: Patience = Patience {
     waiting: Waiting::Block,
@@ -45,27 +45,40 @@ fn potentials_of_any_assets_share_kernels() {
 
 #[test]
 fn kernels_of_another_law_or_device_are_refused() {
-    let gpu = device();
+    // Two devices of one adapter: those of two wgpu instances cannot be told apart.
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    let instance = wgpu::Instance::new(descriptor);
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let open = || {
+        let adapter = (adapters.iter())
+            .find(|a| required_limits().check_limits(&a.limits()))
+            .expect("an adapter");
+        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            required_limits: required_limits(),
+            ..Default::default()
+        }))
+        .unwrap()
+    };
+    let ((device, queue), (other_device, _)) = (open(), open());
     let avatar = Arc::new(random_avatar(8, 3, 5, 40, 100));
     let with = |kernels: Result<GpuKernels>| {
         let (options, avatar) = (GpuOptions::default(), avatar.clone());
-        GpuPotential::with_kernels(&gpu.device, &gpu.queue, &kernels?, avatar, 1, options)
+        GpuPotential::with_kernels(&device, &queue, &kernels?, avatar, 1, options)
     };
     let own = &avatar.material;
     let other = (Material::examples().into_iter())
         .find(|m| m.kernels() != own.kernels())
         .unwrap();
-    let other_device = device().device;
-    for (device, material, problem) in [
-        (&gpu.device, &other, "material law"),
+    for (compiled_for, material, problem) in [
+        (&device, &other, "material law"),
         (&other_device, own, "another device"),
     ] {
-        match with(GpuKernels::compile_blocking(device, material, None)) {
+        match with(GpuKernels::compile_blocking(compiled_for, material, None)) {
             Err(Error::Invalid { problem: said, .. }) => assert!(said.contains(problem), "{said}"),
             other => panic!("{problem}: {other:?}"),
         }
     }
-    assert!(with(GpuKernels::compile_blocking(&gpu.device, own, None)).is_ok());
+    assert!(with(GpuKernels::compile_blocking(&device, own, None)).is_ok());
 }
 
 /// Asks all potentials the same as [`run`], but together.
