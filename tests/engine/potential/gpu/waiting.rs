@@ -118,7 +118,7 @@ fn a_device_that_takes_too_long_is_an_error_and_the_next_question_is_answered() 
 }
 
 #[test]
-fn other_work_of_the_host_is_not_waited_for() {
+fn what_the_host_waits_for_brings_results_as_well() {
     let gpu = device();
     let avatar = Arc::new(random_avatar(8, 3, 5, 40, 100));
     let case = case(1, &avatar);
