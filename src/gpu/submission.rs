@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// ```text
 /// a.record_evaluate(…, &mut submission)?;   // reserves its part of the staging buffer
 /// b.record_evaluate(…, &mut submission)?;
-/// let bytes = submission.read().await?;     // one submission, one readback
+/// let bytes = submission.read().await?;     // one submission, one readback; to be dropped before the next
 /// a.finish_evaluate(&bytes, …)?;
 /// b.finish_evaluate(&bytes, …)?;
 /// ```

@@ -28,7 +28,11 @@ pub(super) fn geometric_terms(
         .chunks_exact(size_of::<Contact>())
         .map(bytemuck::pod_read_unaligned::<Contact>);
     let count = rows.next().map_or(0, |header| header.body);
-    for row in rows.take(count as usize).filter(|row| row.force != 0.0) {
+    // A device that went wrong may bring anything.
+    let frames = state.frames.len();
+    let exists = |row: &Contact| (row.vertex as usize) < skin.len() && row.body as usize <= frames;
+    let rows = rows.take(count as usize);
+    for row in rows.filter(|row| row.force != 0.0 && exists(row)) {
         let v = row.vertex as usize;
         let mut rest = [DVec3::ZERO];
         pose_blend(&skin.position, &skin.pose_blend, feature, v, &mut rest);
