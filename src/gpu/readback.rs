@@ -24,11 +24,11 @@ pub enum Waiting {
 pub struct Patience {
     /// Who drives the device.
     pub waiting: Waiting,
-    /// How long a future that blocks its thread waits at most; [`FIRST`] times as long for a first answer.
+    /// How long a future that blocks its thread waits at most; ten times as long for a first answer.
     pub timeout: Duration,
 }
 
-/// Some drivers compile a kernel when it is first run: seconds, on a CPU that plays a GPU.
+/// How much longer a first answer may take: some drivers compile a kernel when it is first run.
 const FIRST: u32 = 10;
 
 /// A staging buffer and the way to wait for it.
