@@ -189,7 +189,7 @@ const MUTANTS: &[Mutant] = &[
     ("hessian", "hessian.wgsl", "k < segment.count", "k + 1u < segment.count"),
     ("hessian", "hessian.wgsl", "|| is_prescribed(segment.column, state)", ""),
     ("hessian", "hessian.wgsl", "is_prescribed(segment.row, state) ||", ""),
-    ("hessian", "hessian.wgsl", "prescribed[state * words", "prescribed[words"),
+    ("hessian", "hessian.wgsl", "state * words + bone / 32u", "bone / 32u"),
     ("hessian", "hessian.wgsl", "let bone = block / 2u", "let bone = block"),
     // energy
     ("energy", "energy.wgsl", "dot(delta, delta + 2.0 * e)", "dot(delta, delta + e)"),

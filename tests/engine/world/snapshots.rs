@@ -32,10 +32,9 @@ fn lively(assets: [Arc<Avatar>; 2]) -> Result<(World, Vec<InstanceId>)> {
     keys.push(world.add_instance_at(first, &at(0.0, 1.0))?);
     world.remove_body(gone)?;
     world.instance_mut(keys[2])?.ragdoll(1.0)?;
-    world.instance_mut(keys[1])?.set_factors(TissueFactors {
-        stiffness: 1.5,
-        ..TissueFactors::default()
-    })?;
+    let mut factors = TissueFactors::default();
+    factors.stiffness = 1.5;
+    world.instance_mut(keys[1])?.set_factors(factors)?;
     let mut floor = Collider::new(Shape::HalfSpace, at(0.0, 0.7));
     floor.frame.rotation = DMat3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     floor.previous = floor.frame;
@@ -61,7 +60,10 @@ fn a_restored_world_goes_on_with_the_same_bits() -> Result<()> {
     run(&mut world, &keys, 0..12)?;
     let text = serde_json::to_string(&world.snapshot()?).unwrap();
     let wanted = run(&mut world, &keys, 12..30)?;
-    assert!(world.instance(keys[0])?.report().contacts > 0, "nothing touched");
+    assert!(
+        world.instance(keys[0])?.report().contacts > 0,
+        "nothing touched"
+    );
     let snapshot: Snapshot = serde_json::from_str(&text).unwrap();
     // In the same world, and in one that has only been handed the avatars.
     let mut fresh = World::new(Backend::Cpu)?;
