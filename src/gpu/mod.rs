@@ -22,7 +22,7 @@ pub(crate) use layout::{HostShareable, SharedValue, StructLayout};
 pub(crate) use listener::Listener;
 pub(crate) use module::Module;
 pub(crate) use pipeline::{Pipeline, Shader};
-pub(crate) use readback::Patience;
+pub(crate) use readback::{Bytes, Patience};
 pub use readback::Waiting;
 pub(crate) use submission::Submission;
 

@@ -192,7 +192,11 @@ fn refusal(kernel: String, listener: Listener) -> impl Future<Output = Result<()
 /// Counts pipelines, so that tests see who makes them.
 #[cfg(test)]
 pub(crate) mod made {
+    use std::sync::Mutex;
     use std::sync::atomic::AtomicUsize;
+
+    /// Held by tests that make pipelines, which so are counted one test after the other.
+    pub static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
     /// Pipelines that this process has made.
     pub static COUNT: AtomicUsize = AtomicUsize::new(0);

@@ -21,6 +21,10 @@ pub struct Submission {
     readback: Readback,
     encoder: Option<wgpu::CommandEncoder>,
     recording: u64,
+    /// What was last sent.
+    sent: Option<wgpu::SubmissionIndex>,
+    /// How often it was sent and read.
+    traffic: [u64; 2],
     /// Bytes of the staging buffer that are spoken for.
     reserved: u64,
 }
@@ -50,6 +54,8 @@ impl Submission {
             queue: queue.clone(),
             encoder: None,
             recording: next_recording(),
+            sent: None,
+            traffic: [0; 2],
             reserved: 0,
         })
     }
@@ -59,6 +65,16 @@ impl Submission {
     /// must not be overwritten for another.
     pub fn recording(&self) -> u64 {
         self.recording
+    }
+
+    /// Bytes that it has room to read back.
+    pub fn room(&self) -> u64 {
+        self.readback.room()
+    }
+
+    /// How often anything was sent, and read back.
+    pub fn traffic(&self) -> [u64; 2] {
+        self.traffic
     }
 
     /// Records commands.
@@ -96,8 +112,10 @@ impl Submission {
     /// Sends what is recorded, and what the host has written since. What is to be read back still is.
     pub fn submit(&mut self) -> wgpu::SubmissionIndex {
         self.recording = next_recording();
-        self.queue
-            .submit(self.encoder.take().map(wgpu::CommandEncoder::finish))
+        self.traffic[0] += 1;
+        let index = (self.queue).submit(self.encoder.take().map(wgpu::CommandEncoder::finish));
+        self.sent = Some(index.clone());
+        index
     }
 
     /// Sends what is recorded, if there is anything.
@@ -112,7 +130,7 @@ impl Submission {
         self.reserved = 0;
     }
 
-    /// Sends what is recorded and waits for all that is reserved; then nothing is reserved any more, however it ends.
+    /// Sends what is recorded and not sent yet, and waits for all that is reserved; then nothing is reserved any more, however it ends.
     ///
     /// # Errors
     /// [`GpuError::DeviceLost`], [`GpuError::Timeout`].
@@ -122,7 +140,11 @@ impl Submission {
             self.flush();
             return Ok(Bytes::default());
         }
-        let index = self.submit();
+        let index = match self.sent.take() {
+            Some(index) if self.encoder.is_none() => index,
+            _ => self.submit(),
+        };
+        self.traffic[1] += 1;
         self.readback.read(&self.device, index, bytes).await
     }
 }

@@ -14,6 +14,8 @@ pub(crate) mod pattern;
 pub use cpu::CpuPotential;
 pub use factors::TissueFactors;
 #[cfg(feature = "gpu")]
+pub(crate) use gpu::Recorder as GpuRecorder;
+#[cfg(feature = "gpu")]
 pub use gpu::{GpuKernels, GpuOptions, GpuPotential};
 pub use pattern::BlockPattern;
 #[cfg(feature = "gpu")]

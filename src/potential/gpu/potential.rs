@@ -75,13 +75,7 @@ impl GpuPotential {
         let submission = |label, bytes| Submission::new(device, queue, label, bytes, patience);
         let results = submission("results of the tissue", recorder.room_to_read())?;
         let skin_submission = submission("posed skin", recorder.skin_bytes())?;
-        let heard = listener.heard();
-        // In a browser it comes later, as a lost device.
-        if cfg!(not(target_arch = "wasm32"))
-            && let Some(message) = pollster::block_on(heard)
-        {
-            return Err(GpuError::Memory(message).into());
-        }
+        memory_error(listener)?;
         Ok(Self {
             submission: results,
             skin_submission,
@@ -110,6 +104,20 @@ impl GpuPotential {
     /// place. Draw with this translation.
     pub fn skin_origin(&self, instance: usize) -> DVec3 {
         self.recorder.skin_origins[instance]
+    }
+
+    /// Another submission, with room for `bytes` to read back, for who steps several potentials together.
+    pub(crate) fn submission(&self, label: &str, bytes: u64) -> Result<Submission> {
+        let listener = Listener::new(&self.device);
+        let patience = self.recorder.patience();
+        let submission = Submission::new(&self.device, &self.queue, label, bytes, patience)?;
+        memory_error(listener)?;
+        Ok(submission)
+    }
+
+    /// Bytes that a question reads back at most.
+    pub(crate) fn room_to_read(&self) -> u64 {
+        self.recorder.room_to_read()
     }
 
     /// For who steps several potentials together: records into a [`Submission`] of the caller's, which must have been
@@ -141,6 +149,18 @@ impl GpuPotential {
         submission.copy(buffer, 0..buffer.size(), at);
         Ok(submission.read().await?.to_vec())
     }
+}
+
+/// What the driver refused since.
+fn memory_error(listener: Listener) -> Result<()> {
+    let heard = listener.heard();
+    // In a browser it comes later, as a lost device.
+    if cfg!(not(target_arch = "wasm32"))
+        && let Some(message) = pollster::block_on(heard)
+    {
+        return Err(GpuError::Memory(message).into());
+    }
+    Ok(())
 }
 
 impl Potential for GpuPotential {
