@@ -2,6 +2,7 @@
 
 use crate::FieldPath;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Result of every fallible function of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -95,6 +96,20 @@ pub enum GpuError {
         limit: u64,
         /// What to change.
         cure: &'static str,
+    },
+    /// The device has no memory for what is to be made.
+    #[error("no memory on the device: {0}; use fewer instances or a smaller avatar")]
+    Memory(String),
+    /// The device took longer than a host waits. It may still be at it: what it was asked for is lost, the state is not.
+    #[error(
+        "{what} did not come within {waited:?}: the device hangs or is busy; raise GpuOptions::timeout, give it less at \
+         once, or make a new device"
+    )]
+    Timeout {
+        /// What was awaited.
+        what: String,
+        /// How long.
+        waited: Duration,
     },
 }
 

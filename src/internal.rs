@@ -29,14 +29,17 @@ pub mod skeleton {
     pub use crate::skeleton::tracking::TrackingSpring;
 }
 
-/// Kernels, buffers and readbacks.
+/// Kernels, buffers and submissions.
 #[cfg(feature = "gpu")]
 pub mod gpu_plumbing {
     pub use crate::gpu::buffer::Buffer;
     pub use crate::gpu::buffer_list::Allocator;
-    pub use crate::gpu::kernel::{Bindings, Kernel, Module};
+    pub use crate::gpu::kernel::{Bindings, Kernel};
     pub use crate::gpu::layout::{HostShareable, SharedValue, StructLayout};
-    pub use crate::gpu::readback::Readback;
+    pub use crate::gpu::module::Module;
+    pub use crate::gpu::pipeline::{Pipeline, Shader};
+    pub use crate::gpu::readback::{Bytes, Patience};
+    pub use crate::gpu::submission::Submission;
 }
 
 /// Pose features of blend shapes, and the blocks of a point.

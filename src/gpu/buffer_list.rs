@@ -50,6 +50,32 @@ impl Allocator<'_> {
     }
 }
 
+/// Tells what an [`Allocator`] would create: the bytes that a kernel would bind.
+#[derive(Clone, Copy, Debug)]
+pub struct Measure;
+
+impl Measure {
+    /// Bytes of [`Allocator::zeroed`].
+    pub fn zeroed<T: Pod>(self, len: usize) -> u64 {
+        len as u64 * size_of::<T>() as u64
+    }
+
+    /// Bytes of [`Allocator::vertices`].
+    pub fn vertices<T: Pod>(self, len: usize) -> u64 {
+        self.zeroed::<T>(len)
+    }
+
+    /// Bytes of [`Allocator::holding`].
+    pub fn holding<T: Pod>(self, items: &[T]) -> u64 {
+        self.zeroed::<T>(items.len())
+    }
+
+    /// Nothing: of uniforms a kernel binds an item.
+    pub fn uniform<T: Pod>(self, _: &[T]) -> u64 {
+        0
+    }
+}
+
 /// Declares a struct of buffers, one line a buffer: the name that kernels bind it by, its items, and how an
 /// [`Allocator`] creates it from the struct's parameters.
 ///
@@ -86,6 +112,14 @@ macro_rules! buffers {
                 $($parameter: $type),*
             ) -> $crate::Result<Self> {
                 Ok(Self { $($field: allocator.$contents(stringify!($field), $from)?,)* })
+            }
+
+            /// Bytes of the largest that kernels bind whole, and its name; creates nothing.
+            pub fn largest($($parameter: $type),*) -> (u64, &'static str) {
+                let all = [
+                    $(($crate::gpu::Measure.$contents::<$item>($from), stringify!($field)),)*
+                ];
+                all.into_iter().max().unwrap_or_default()
             }
 
             /// The buffer that kernels bind as `name`.

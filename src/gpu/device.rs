@@ -17,18 +17,22 @@ pub fn required_limits() -> wgpu::Limits {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum AdapterKind {
-    /// A graphics card, an integrated or a virtual one.
-    Hardware,
+    /// A graphics card with memory of its own.
+    Discrete,
+    /// A GPU that shares the CPU's memory.
+    Integrated,
+    /// A part of a GPU, in a virtual machine.
+    Virtual,
     /// A CPU that plays a GPU (lavapipe, SwiftShader, WARP).
     Software,
-    /// A device that does not say; OpenGL drivers often do not.
+    /// A device that does not say; OpenGL drivers often do not, and browsers never.
     Unknown,
 }
 
 /// What an adapter says of itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterDescription {
-    /// The device's name.
+    /// The device's name; of a browser that keeps it to itself, `webgpu adapter`.
     pub name: String,
     /// The graphics interface: `vulkan`, `metal`, `dx12`, `gl` or `webgpu`.
     pub backend: String,
@@ -42,11 +46,17 @@ impl AdapterDescription {
     /// The description of wgpu's `info`.
     pub fn new(info: &wgpu::AdapterInfo) -> Self {
         use wgpu::DeviceType as T;
+        let backend = info.backend.to_string();
         Self {
-            name: info.name.clone(),
-            backend: info.backend.to_string(),
+            name: match info.name.as_str() {
+                "" => format!("{backend} adapter"),
+                name => name.to_owned(),
+            },
+            backend,
             kind: match info.device_type {
-                T::DiscreteGpu | T::IntegratedGpu | T::VirtualGpu => AdapterKind::Hardware,
+                T::DiscreteGpu => AdapterKind::Discrete,
+                T::IntegratedGpu => AdapterKind::Integrated,
+                T::VirtualGpu => AdapterKind::Virtual,
                 T::Cpu => AdapterKind::Software,
                 T::Other => AdapterKind::Unknown,
             },
@@ -71,16 +81,25 @@ pub enum AdapterChoice {
 }
 
 impl AdapterChoice {
-    /// Smaller is better; `None` is out of the question.
-    fn preference(self, kind: AdapterKind) -> Option<u32> {
-        use AdapterKind::{Hardware, Software, Unknown};
-        match (self, kind) {
-            (Self::Hardware | Self::HardwareElseSoftware, Hardware) => Some(0),
-            (Self::Hardware | Self::HardwareElseSoftware, Unknown) => Some(1),
-            (Self::HardwareElseSoftware, Software) => Some(2),
-            (Self::Software, Software) => Some(0),
-            _ => None,
+    /// Whether an adapter of `kind` is in question.
+    fn allows(self, kind: AdapterKind) -> bool {
+        match self {
+            Self::Hardware => kind != AdapterKind::Software,
+            Self::HardwareElseSoftware => true,
+            Self::Software => kind == AdapterKind::Software,
         }
+    }
+}
+
+/// Smaller is better.
+fn rank(kind: AdapterKind, preference: wgpu::PowerPreference) -> u32 {
+    let frugal = preference == wgpu::PowerPreference::LowPower;
+    match kind {
+        AdapterKind::Discrete => u32::from(frugal),
+        AdapterKind::Integrated => u32::from(!frugal),
+        AdapterKind::Virtual => 2,
+        AdapterKind::Unknown => 3,
+        AdapterKind::Software => 4,
     }
 }
 
@@ -97,34 +116,69 @@ pub struct GpuDevice {
 
 /// Every adapter of this machine, in the order the system lists them.
 pub async fn adapters() -> Vec<AdapterDescription> {
-    enumerate()
+    enumerate(wgpu::PowerPreference::HighPerformance)
         .await
         .iter()
         .map(|a| AdapterDescription::new(&a.get_info()))
         .collect()
 }
 
-async fn enumerate() -> Vec<wgpu::Adapter> {
+/// What there is; a browser shows one, which fits `preference`.
+async fn enumerate(preference: wgpu::PowerPreference) -> Vec<wgpu::Adapter> {
     let instance =
         wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    if cfg!(target_arch = "wasm32") {
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: preference,
+            ..Default::default()
+        };
+        return instance
+            .request_adapter(&options)
+            .await
+            .into_iter()
+            .collect();
+    }
     instance.enumerate_adapters(wgpu::Backends::all()).await
 }
 
+/// [`required_limits`], with buffers as large as an adapter of these limits has them: a potential then has room for more
+/// instances.
+fn wanted_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
+    wgpu::Limits {
+        max_buffer_size: adapter.max_buffer_size,
+        max_storage_buffer_binding_size: adapter.max_storage_buffer_binding_size,
+        ..required_limits()
+    }
+}
+
 impl GpuDevice {
-    /// Opens the best adapter that `choice` allows and that meets [`required_limits`].
+    /// Opens the best adapter that `choice` allows and that meets [`required_limits`]: a discrete GPU before an integrated
+    /// one, and a software one last. Its buffers may be as large as the adapter has them.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] lists what was found; [`GpuError::NoDevice`] is the driver's refusal.
     pub async fn open(choice: AdapterChoice) -> Result<Self> {
-        let found = enumerate().await;
+        Self::open_preferring(choice, wgpu::PowerPreference::HighPerformance).await
+    }
+
+    /// [`GpuDevice::open`] with a preference: for low power an integrated GPU comes before a discrete one.
+    ///
+    /// # Errors
+    /// As [`GpuDevice::open`].
+    pub async fn open_preferring(
+        choice: AdapterChoice,
+        preference: wgpu::PowerPreference,
+    ) -> Result<Self> {
+        let found = enumerate(preference).await;
         let best = found
             .iter()
             .filter(|a| required_limits().check_limits(&a.limits()))
             .filter_map(|a| {
                 let description = AdapterDescription::new(&a.get_info());
-                Some((choice.preference(description.kind)?, a, description))
+                let rank = rank(description.kind, preference);
+                (choice.allows(description.kind)).then_some((rank, a, description))
             })
-            .min_by_key(|(preference, ..)| *preference);
+            .min_by_key(|(rank, ..)| *rank);
         let Some((_, adapter, description)) = best else {
             let names: Vec<String> = found.iter().map(|a| a.get_info().name).collect();
             return Err(GpuError::NoAdapter(format!(
@@ -138,7 +192,7 @@ impl GpuDevice {
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("supple"),
                 required_features: required_features(),
-                required_limits: required_limits(),
+                required_limits: wanted_limits(&adapter.limits()),
                 ..Default::default()
             })
             .await
@@ -157,10 +211,37 @@ mod tests {
 
     #[test]
     fn software_is_taken_only_when_allowed() {
-        use AdapterKind::{Hardware, Software};
-        assert_eq!(AdapterChoice::Hardware.preference(Software), None);
-        let either = AdapterChoice::HardwareElseSoftware;
-        assert!(either.preference(Hardware) < either.preference(Software));
-        assert_eq!(AdapterChoice::Software.preference(Hardware), None);
+        use AdapterKind::{Discrete, Integrated, Software, Unknown, Virtual};
+        let hardware = [Discrete, Integrated, Virtual, Unknown];
+        for kind in hardware {
+            assert!(AdapterChoice::Hardware.allows(kind));
+            assert!(AdapterChoice::HardwareElseSoftware.allows(kind));
+            assert!(!AdapterChoice::Software.allows(kind));
+        }
+        assert!(!AdapterChoice::Hardware.allows(Software));
+        assert!(AdapterChoice::HardwareElseSoftware.allows(Software));
+        assert!(AdapterChoice::Software.allows(Software));
+    }
+
+    #[test]
+    fn adapters_are_ranked_by_preference_and_software_is_last() {
+        use AdapterKind::{Discrete, Integrated, Software, Unknown, Virtual};
+        use wgpu::PowerPreference::{HighPerformance, LowPower, None};
+        for preference in [None, HighPerformance, LowPower] {
+            let mut kinds = [Software, Unknown, Virtual, Integrated, Discrete];
+            kinds.sort_by_key(|&kind| rank(kind, preference));
+            let first = match preference {
+                LowPower => [Integrated, Discrete],
+                _ => [Discrete, Integrated],
+            };
+            assert_eq!(kinds[..2], first, "{preference:?}");
+            assert_eq!(kinds[2..], [Virtual, Unknown, Software], "{preference:?}");
+        }
+    }
+
+    #[test]
+    fn a_nameless_adapter_has_a_name() {
+        let info = wgpu::AdapterInfo::new(wgpu::DeviceType::Other, wgpu::Backend::BrowserWebGpu);
+        assert_eq!(AdapterDescription::new(&info).name, "webgpu adapter");
     }
 }

@@ -2,10 +2,11 @@
 
 use crate::{GpuError, Result};
 use std::future::Future;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::pin::Pin;
 use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Waker};
+use std::time::Duration;
 
 /// Who drives the device while a readback is awaited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,23 +19,62 @@ pub enum Waiting {
     Host,
 }
 
+/// How a readback is waited for.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience {
+    /// Who drives the device.
+    pub waiting: Waiting,
+    /// How long a future that blocks its thread waits at most; ten times as long for a first answer.
+    pub timeout: Duration,
+}
+
+/// How much longer a first answer may take: some drivers compile a kernel when it is first run.
+const FIRST: u32 = 10;
+
 /// A staging buffer and the way to wait for it.
 #[derive(Debug)]
 pub struct Readback {
+    label: String,
     staging: wgpu::Buffer,
-    waiting: Waiting,
+    patience: Patience,
+    /// Whether anything has been read.
+    answered: bool,
 }
 
 impl Readback {
     /// Staging room for `bytes`.
-    pub fn new(device: &wgpu::Device, label: &str, bytes: u64, waiting: Waiting) -> Self {
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] where the device has no buffer so large.
+    pub fn new(device: &wgpu::Device, label: &str, bytes: u64, patience: Patience) -> Result<Self> {
+        let size = bytes.max(4).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+        let limit = device.limits().max_buffer_size;
+        if size > limit {
+            return Err(GpuError::Limit {
+                what: format!("bytes to read back of `{label}`"),
+                needed: size,
+                limit,
+                cure: "step fewer instances together, or make the device with a larger max_buffer_size",
+            }
+            .into());
+        }
         let staging = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size: bytes.max(4).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+            size,
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        Self { staging, waiting }
+        Ok(Self {
+            label: label.to_owned(),
+            staging,
+            patience,
+            answered: false,
+        })
+    }
+
+    /// Bytes that it has room for.
+    pub fn room(&self) -> u64 {
+        self.staging.size()
     }
 
     /// Records the copy of `range` of `source` to byte `at` of the staging buffer.
@@ -49,17 +89,18 @@ impl Readback {
         encoder.copy_buffer_to_buffer(source, range.start, &self.staging, at, bytes);
     }
 
-    /// Waits for the recorded copies, which must have been submitted, and hands the first `bytes` of
-    /// them to `consume`.
+    /// The first `bytes`, at least one, of what the copies brought, once `submission` has run: the last one with copies in it. Dropped
+    /// while it waits, it leaves the staging buffer free for the next.
     ///
     /// # Errors
-    /// [`GpuError::DeviceLost`] where the device or the mapping failed.
-    pub async fn read<R>(
-        &self,
+    /// [`GpuError::DeviceLost`] where the device or the mapping failed, [`GpuError::Timeout`] where the device took too
+    /// long.
+    pub async fn read(
+        &mut self,
         device: &wgpu::Device,
+        submission: wgpu::SubmissionIndex,
         bytes: u64,
-        consume: impl FnOnce(&[u8]) -> R,
-    ) -> Result<R> {
+    ) -> Result<Bytes<'_>> {
         let lost = |problem: String| GpuError::DeviceLost(problem);
         let mapped = Mapped::default();
         let signal = mapped.clone();
@@ -67,21 +108,76 @@ impl Readback {
             .map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
                 signal.finish(result.map_err(|e| e.to_string()));
             });
-        if self.waiting == Waiting::Block {
-            device
-                .poll(wgpu::PollType::wait_indefinitely())
-                .map_err(|e| lost(e.to_string()))?;
-        }
-        mapped.await.map_err(lost)?;
-        let out = {
-            let view = self
-                .staging
-                .get_mapped_range(0..bytes)
-                .map_err(|e| lost(e.to_string()))?;
-            consume(&view)
+        let pending = Pending {
+            staging: &self.staging,
+            mapped: &mapped,
         };
-        self.staging.unmap();
+        let timeout = match self.answered {
+            true => self.patience.timeout,
+            false => self.patience.timeout.saturating_mul(FIRST),
+        };
+        if self.patience.waiting == Waiting::Block {
+            let waited = wgpu::PollType::Wait {
+                submission_index: Some(submission),
+                timeout: Some(timeout),
+            };
+            device.poll(waited).map_err(|error| match error {
+                wgpu::PollError::Timeout => GpuError::Timeout {
+                    what: self.label.clone(),
+                    waited: timeout,
+                },
+                wgpu::PollError::WrongSubmissionIndex(..) => lost(error.to_string()),
+            })?;
+        }
+        mapped.clone().await.map_err(lost)?;
+        self.answered = true;
+        std::mem::forget(pending);
+        let view = self.staging.get_mapped_range(0..bytes);
+        let mut out = Bytes {
+            view: None,
+            staging: Some(&self.staging),
+        };
+        out.view = Some(view.map_err(|e| lost(e.to_string()))?);
         Ok(out)
+    }
+}
+
+/// Bytes of a staging buffer, which nothing is copied to until they are dropped.
+#[derive(Debug, Default)]
+pub struct Bytes<'a> {
+    view: Option<wgpu::BufferView>,
+    staging: Option<&'a wgpu::Buffer>,
+}
+
+impl Deref for Bytes<'_> {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        self.view.as_deref().unwrap_or_default()
+    }
+}
+
+impl Drop for Bytes<'_> {
+    fn drop(&mut self) {
+        self.view = None;
+        if let Some(staging) = &self.staging {
+            staging.unmap();
+        }
+    }
+}
+
+/// A mapping that nobody waits for any more once this is dropped.
+struct Pending<'a> {
+    staging: &'a wgpu::Buffer,
+    mapped: &'a Mapped,
+}
+
+impl Drop for Pending<'_> {
+    fn drop(&mut self) {
+        // What failed to map is not mapped.
+        if !self.mapped.has_failed() {
+            self.staging.unmap();
+        }
     }
 }
 
@@ -107,6 +203,11 @@ impl Mapped {
             waker.wake();
         }
     }
+
+    fn has_failed(&self) -> bool {
+        let state = self.0.lock().unwrap_or_else(|e| e.into_inner());
+        matches!(state.result, Some(Err(_)))
+    }
 }
 
 impl Future for Mapped {
@@ -114,8 +215,8 @@ impl Future for Mapped {
 
     fn poll(self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
         let mut state = self.0.lock().unwrap_or_else(|e| e.into_inner());
-        match state.result.take() {
-            Some(result) => Poll::Ready(result),
+        match &state.result {
+            Some(result) => Poll::Ready(result.clone()),
             None => {
                 state.waker = Some(context.waker().clone());
                 Poll::Pending

@@ -14,7 +14,9 @@ pub(crate) mod pattern;
 pub use cpu::CpuPotential;
 pub use factors::TissueFactors;
 #[cfg(feature = "gpu")]
-pub use gpu::{GpuOptions, GpuPotential};
+pub(crate) use gpu::Recorder as GpuRecorder;
+#[cfg(feature = "gpu")]
+pub use gpu::{GpuKernels, GpuOptions, GpuPotential};
 pub use pattern::BlockPattern;
 #[cfg(feature = "gpu")]
 pub(crate) use pattern::point_blocks;

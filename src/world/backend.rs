@@ -1,12 +1,12 @@
 //! Where a world's tissue is evaluated.
 
 #[cfg(feature = "gpu")]
+use super::gpu::{OpenedGpu, SkinBuffer};
+#[cfg(feature = "gpu")]
 use crate::gpu::{AdapterChoice, GpuDevice};
-use crate::model::{Avatar, State};
-use crate::potential::{
-    BlockPattern, CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, StepEnd,
-    StepStart, Trial,
-};
+use crate::material::Material;
+use crate::model::Avatar;
+use crate::potential::{BlockPattern, CpuPotential, EvaluationTimings, HessianForm, Potential};
 #[cfg(feature = "gpu")]
 use crate::potential::{GpuOptions, GpuPotential};
 use crate::{Error, Result};
@@ -39,10 +39,7 @@ pub enum Backend {
 pub(super) enum Opened {
     Cpu,
     #[cfg(feature = "gpu")]
-    Gpu {
-        device: wgpu::Device,
-        queue: wgpu::Queue,
-    },
+    Gpu(OpenedGpu),
 }
 
 /// What an asset's evaluator must have room for.
@@ -85,10 +82,10 @@ impl Backend {
         match self {
             Self::Cpu => Ok(Opened::Cpu),
             #[cfg(feature = "gpu")]
-            Self::Gpu { device, queue } => Ok(Opened::Gpu { device, queue }),
+            Self::Gpu { device, queue } => Ok(Opened::Gpu(OpenedGpu::new(device, queue))),
             #[cfg(feature = "gpu")]
             Self::Auto => Ok(match GpuDevice::open(AdapterChoice::Hardware).await {
-                Ok(GpuDevice { device, queue, .. }) => Opened::Gpu { device, queue },
+                Ok(GpuDevice { device, queue, .. }) => Opened::Gpu(OpenedGpu::new(device, queue)),
                 Err(_) => Opened::Cpu,
             }),
             #[cfg(not(feature = "gpu"))]
@@ -99,17 +96,23 @@ impl Backend {
 
 impl Opened {
     /// Evaluates avatars of one asset; `avatar` has the body slots of `room`. Rigid bodies are evaluated on the CPU.
-    pub fn evaluator(&self, avatar: &Arc<Avatar>, room: Room, is_body: bool) -> Result<Evaluator> {
+    #[cfg_attr(not(feature = "gpu"), expect(unused_variables))]
+    pub fn evaluator(
+        &mut self,
+        avatar: &Arc<Avatar>,
+        room: Room,
+        is_body: bool,
+    ) -> Result<Evaluator> {
         let (avatar, instances) = (avatar.clone(), room.instances.max(1));
         match self {
             #[cfg(feature = "gpu")]
-            Self::Gpu { device, queue } if !is_body => {
+            Self::Gpu(gpu) if !is_body => {
                 let options = GpuOptions {
                     colliders: room.colliders.max(1),
                     meshes: room.meshes.max(1),
                     ..GpuOptions::default()
                 };
-                let potential = GpuPotential::new(device, queue, avatar, instances, options)?;
+                let potential = gpu.potential(avatar, instances, options)?;
                 Ok(Evaluator::Gpu(Box::new(potential)))
             }
             _ => {
@@ -119,12 +122,21 @@ impl Opened {
         }
     }
 
+    /// Compiles what tissue of the law of `material` needs; nothing on the CPU.
+    pub async fn compile(&mut self, material: &Material) -> Result<()> {
+        match self {
+            Self::Cpu => material.validate(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.compile(material).await,
+        }
+    }
+
     /// What evaluates, for reports.
     pub fn name(&self) -> String {
         match self {
             Self::Cpu => "cpu".into(),
             #[cfg(feature = "gpu")]
-            Self::Gpu { device, .. } => device.adapter_info().name,
+            Self::Gpu(gpu) => gpu.device.adapter_info().name,
         }
     }
 }
@@ -148,6 +160,24 @@ macro_rules! either {
 }
 
 impl Evaluator {
+    /// Itself, on the CPU.
+    pub fn on_cpu(&mut self) -> Option<&mut CpuPotential> {
+        match self {
+            Self::Cpu(potential) => Some(potential),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => None,
+        }
+    }
+
+    /// Itself, on the GPU.
+    #[cfg(feature = "gpu")]
+    pub fn on_gpu(&mut self) -> Option<&mut GpuPotential> {
+        match self {
+            Self::Cpu(_) => None,
+            Self::Gpu(potential) => Some(potential),
+        }
+    }
+
     pub fn pattern(&self) -> &BlockPattern {
         either!(self, |potential| potential.pattern())
     }
@@ -160,46 +190,6 @@ impl Evaluator {
         either!(self, |potential| potential.timings())
     }
 
-    pub async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
-        either!(self, |potential| potential.begin_step(starts, active).await)
-    }
-
-    pub async fn evaluate(
-        &mut self,
-        states: &[State],
-        wanted: &[bool],
-        out: &mut [Evaluation],
-    ) -> Result<()> {
-        either!(self, |potential| potential
-            .evaluate(states, wanted, out)
-            .await)
-    }
-
-    pub async fn end_step(
-        &mut self,
-        states: &[State],
-        wanted: &[bool],
-        out: &mut [StepEnd],
-    ) -> Result<()> {
-        either!(self, |potential| potential
-            .end_step(states, wanted, out)
-            .await)
-    }
-
-    pub async fn energy_differences(
-        &mut self,
-        trials: &[Trial<'_>],
-        out: &mut [f64],
-    ) -> Result<()> {
-        either!(self, |potential| potential
-            .energy_differences(trials, out)
-            .await)
-    }
-
-    pub async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        either!(self, |potential| potential.pose_skin(states).await)
-    }
-
     pub async fn read_skin(
         &mut self,
         instance: usize,
@@ -209,6 +199,19 @@ impl Evaluator {
         either!(self, |potential| potential
             .read_skin(instance, positions, normals)
             .await)
+    }
+
+    /// Where the skin of an instance is on the device; none on the CPU.
+    #[cfg(feature = "gpu")]
+    pub fn skin_buffer(&self, instance: usize) -> Option<SkinBuffer<'_>> {
+        match self {
+            Self::Cpu(_) => None,
+            Self::Gpu(potential) => Some(SkinBuffer {
+                buffer: potential.skin_buffer(),
+                range: potential.skin_range(instance),
+                origin: potential.skin_origin(instance),
+            }),
+        }
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) struct Batch {
 impl Batch {
     /// With no instance, and what evaluates it.
     pub fn new(
-        opened: &Opened,
+        opened: &mut Opened,
         base: Arc<Avatar>,
         settings: Settings,
         is_body: bool,
@@ -62,7 +62,7 @@ impl Batch {
 
     /// A body's, with its one instance.
     pub fn of_body(
-        opened: &Opened,
+        opened: &mut Opened,
         body: &RigidBody,
         settings: Settings,
         gravity: DVec3,
@@ -101,7 +101,7 @@ impl Batch {
 
     /// Makes room: where more is wanted than there is, another evaluator and frames for bodies. Nothing has changed where
     /// that fails.
-    pub fn make_room(&mut self, opened: &Opened, wanted: Room) -> Result<Option<Evaluator>> {
+    pub fn make_room(&mut self, opened: &mut Opened, wanted: Room) -> Result<Option<Evaluator>> {
         let room = self.room.union(wanted);
         if room == self.room {
             return Ok(None);

@@ -4,12 +4,15 @@ use super::backend::{Backend, Evaluator, Opened, Room, gone};
 use super::batch::Batch;
 use super::character::{Character, rigid};
 use super::evaluators::Evaluators;
+#[cfg(feature = "gpu")]
+use super::gpu::SkinBuffer;
 use super::keys::{AvatarId, BodyId, ColliderId, InstanceId};
 use super::meetings::Meetings;
 use crate::Result;
 use crate::collider::Collider;
+use crate::material::Material;
 use crate::model::{Avatar, Frame, RigidBody, UpAxis};
-use crate::sim::{InstanceReport, Settings, Stepper, Timings};
+use crate::sim::{Instance, InstanceReport, Physics, Settings, Stepper, Timings};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use slotmap::SlotMap;
@@ -44,6 +47,8 @@ pub struct World {
     pub(super) stepper: Option<Stepper>,
     pub(super) meetings: Meetings,
     pub(super) timings: Timings,
+    /// Memory of the list of all members.
+    pub(super) each: Vec<(&'static Physics, &'static Instance)>,
 }
 
 impl World {
@@ -76,6 +81,7 @@ impl World {
             stepper: None,
             meetings: Meetings::default(),
             timings: Timings::default(),
+            each: Vec::new(),
         })
     }
 
@@ -131,12 +137,21 @@ impl World {
         self.timings
     }
 
+    /// Compiles the kernels for tissue of the law of `material` ahead of its first avatar, which else waits for them; in a
+    /// browser, where nothing can wait, it must have been awaited before. Nothing on the CPU.
+    ///
+    /// # Errors
+    /// What the device lacks.
+    pub async fn compile_kernels(&mut self, material: &Material) -> Result<()> {
+        self.opened.compile(material).await
+    }
+
     /// Hands an avatar in, once for all its instances.
     ///
     /// # Errors
     /// An avatar that is not sound, or has rigid bodies of its own; limits of the device.
     pub fn add_avatar(&mut self, avatar: impl Into<Arc<Avatar>>) -> Result<AvatarId> {
-        let (batch, evaluator) = Batch::new(&self.opened, avatar.into(), self.settings, false)?;
+        let (batch, evaluator) = Batch::new(&mut self.opened, avatar.into(), self.settings, false)?;
         let asset = self.push(batch, evaluator);
         Ok(self.avatars.insert(asset))
     }
@@ -263,7 +278,8 @@ impl World {
     /// # Errors
     /// A body that is not sound.
     pub fn add_body(&mut self, body: RigidBody) -> Result<BodyId> {
-        let (batch, evaluator) = Batch::of_body(&self.opened, &body, self.settings, self.gravity)?;
+        let (batch, evaluator) =
+            Batch::of_body(&mut self.opened, &body, self.settings, self.gravity)?;
         let asset = self.push(batch, evaluator);
         Ok(self.bodies.insert(Body {
             collider: body.collider(0),
@@ -349,6 +365,25 @@ impl World {
         evaluator.read_skin(place, positions, normals).await
     }
 
+    /// Where the posed skin of an instance is on the device, to be drawn from by what the host submits after a step; none
+    /// where the world is on the CPU. It holds what the last step left: nothing before the first one after the instance's
+    /// asset has got more room.
+    ///
+    /// # Errors
+    /// A key of none.
+    #[cfg(feature = "gpu")]
+    pub fn skin_buffer(&self, instance: InstanceId) -> Result<Option<SkinBuffer<'_>>> {
+        let (asset, place) = self.find(instance)?;
+        Ok(self.evaluators.get(asset).skin_buffer(place))
+    }
+
+    /// Submissions and readbacks since the world's buffers were made, for tests.
+    #[cfg(feature = "gpu")]
+    #[doc(hidden)]
+    pub fn traffic(&self) -> [u64; 2] {
+        self.evaluators.traffic()
+    }
+
     /// [`World::read_skin`] on this thread until it is done.
     ///
     /// # Errors
@@ -410,7 +445,7 @@ impl World {
 
     /// Makes room for an asset.
     pub(super) fn make_room(&mut self, asset: usize, wanted: Room) -> Result<()> {
-        if let Some(evaluator) = self.batches[asset].make_room(&self.opened, wanted)? {
+        if let Some(evaluator) = self.batches[asset].make_room(&mut self.opened, wanted)? {
             self.evaluators.replace(asset, evaluator);
             self.stepper = None;
         }

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `keys` | what a world calls its things by |
 //! | `backend` | where the tissue is evaluated, and what evaluates one asset |
+//! | `gpu` | what the evaluators on a GPU share |
 //! | `evaluators` | all assets as a step sees them |
 //! | `character` | one avatar in the world, and what drives it |
 //! | `batch` | the instances of one asset |
@@ -20,6 +21,8 @@ mod batch;
 mod character;
 mod contents;
 mod evaluators;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod keys;
 mod meetings;
 mod near;
@@ -29,6 +32,8 @@ mod step;
 pub use backend::Backend;
 pub use character::{Character, Driving};
 pub use contents::World;
+#[cfg(feature = "gpu")]
+pub use gpu::SkinBuffer;
 pub use keys::{AvatarId, BodyId, ColliderId, InstanceId};
 pub use snapshot::Snapshot;
 pub use step::LONGEST_STEP;

@@ -246,7 +246,7 @@ impl World {
         let mut made = Vec::new();
         for (body, state) in bodies.values_mut().zip(body_states) {
             let (mut batch, evaluator) =
-                Batch::of_body(&self.opened, &body.rigid, settings, world.gravity)?;
+                Batch::of_body(&mut self.opened, &body.rigid, settings, world.gravity)?;
             batch.characters[0].restore_state(state)?;
             made.push((body.asset, batch, evaluator));
         }

@@ -2,8 +2,8 @@
 
 use super::contents::World;
 use super::evaluators::Evaluators;
-use crate::math::Stopwatch;
-use crate::sim::{Stepper, Timings};
+use crate::math::{Stopwatch, recycled};
+use crate::sim::{Instance, Physics, Stepper, Timings};
 use crate::{Error, Result};
 
 /// The longest time step, s: a longer one is a jump in time, in which nothing swings.
@@ -27,7 +27,7 @@ impl World {
         self.set_time_step(time_step.min(LONGEST_STEP));
         self.choose(jump);
         self.meet()?;
-        self.number();
+        self.number()?;
         self.list_links();
         let mut timings = Timings::default();
         self.begin()?;
@@ -77,12 +77,12 @@ impl World {
     }
 
     /// Numbers the members anew and makes memory for their steps, where any have come or gone.
-    fn number(&mut self) {
+    fn number(&mut self) -> Result<()> {
         if self.stepper.is_some() {
-            return;
+            return Ok(());
         }
         let counts = self.batches.iter().map(|b| b.characters.len());
-        self.evaluators.number(counts);
+        self.evaluators.number(counts)?;
         let mut first = 0;
         for batch in &mut self.batches {
             batch.first = first;
@@ -96,6 +96,7 @@ impl World {
         });
         let counts = self.batches.iter().map(|b| b.characters.len());
         self.stepper = Some(Stepper::new(members, solvers, counts));
+        Ok(())
     }
 
     /// Checks and predicts all members; the frames of bodies are the bodies'.
@@ -125,14 +126,18 @@ impl World {
         let Some(stepper) = &mut self.stepper else {
             return Ok(());
         };
-        let each = self.batches.iter().flat_map(|batch| {
-            let characters = batch.characters.iter();
-            characters.map(|character| (&batch.physics, &character.instance))
-        });
+        // A list, not an iterator with closures: with such a one the future would not be `Send`.
+        let mut each: Vec<(&Physics, &Instance)> = recycled(std::mem::take(&mut self.each));
+        for batch in &self.batches {
+            let instances = batch.characters.iter().map(|c| &c.instance);
+            each.extend(instances.map(|instance| (&batch.physics, instance)));
+        }
         let evaluators: &mut Evaluators = &mut self.evaluators;
-        stepper
-            .minimise(evaluators, each, timings, &mut |_| ())
-            .await
+        let done = stepper
+            .minimise(evaluators, each.iter().copied(), timings, &mut |_| ())
+            .await;
+        self.each = recycled(each);
+        done
     }
 
     fn commit(&mut self) {
@@ -151,11 +156,9 @@ impl World {
     }
 
     fn report(&self, timings: &mut Timings) {
-        for evaluator in self.evaluators.iter() {
-            let evaluation = evaluator.timings();
-            timings.force += evaluation.force;
-            timings.hessian += evaluation.hessian;
-            timings.readback += evaluation.readback;
-        }
+        let evaluation = self.evaluators.timings();
+        timings.force += evaluation.force;
+        timings.hessian += evaluation.hessian;
+        timings.readback += evaluation.readback;
     }
 }

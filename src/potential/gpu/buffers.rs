@@ -8,11 +8,11 @@ use super::shared::{
     Influence, Lagged, LocalTissue, Mat3, Motion, PartialEnergy, Point, SkinVertex, Summary,
     Tangent,
 };
-use super::sizes::Sizes;
+use super::sizes::{Sizes, buffer_limit};
 use super::tables::{PointTable, Tables};
-use crate::Result;
 use crate::gpu::{Allocator, Bindings, buffers};
 use crate::model::Avatar;
+use crate::{GpuError, Result};
 
 buffers! {
     /// A set of points: the cubature's, or the skin's vertices.
@@ -43,9 +43,9 @@ buffers! {
         one_ring_rows: u32 = holding(tables.one_ring.offsets()),
         one_ring_edges: [u32; 2] = holding(tables.one_ring.entries()),
         // Written by the host.
-        batch: BatchState = zeroed(n.states),
-        pose_features: f32 = zeroed(n.states * n.features),
-        /// A bit for each frame.
+        batch: BatchState = zeroed(n.slots),
+        pose_features: f32 = zeroed(n.slots * n.features),
+        /// A bit for each frame, of the states: starts have no derivatives.
         prescribed: u32 = zeroed(n.states * n.frame_words),
         frames: Frame = zeroed(n.slots * n.bones),
         handles: Handle = zeroed(n.slots * n.handles),
@@ -63,7 +63,7 @@ buffers! {
         // Scratch memory, by state of the chunk.
         point_gradients: [f32; 4] = zeroed(n.chunk_size * n.local_blocks),
         point_hessians: Mat3 = zeroed(n.chunk_size * n.local_pairs),
-        contacts: Contact = zeroed(n.states.max(n.chunk_size) * (n.rows + 1)),
+        contacts: Contact = zeroed(n.chunk_size * (n.rows + 1)),
         contact_rows: [f32; 4] = zeroed(n.chunk_size * n.rows * n.contact_blocks),
         block_contacts: u32 = zeroed(n.chunk_size * n.blocks * (n.rows + 1)),
         // By state of the batch.
@@ -74,6 +74,71 @@ buffers! {
         skin_vertices: SkinVertex = vertices(n.instances * n.vertices),
         posed_skin_unposed: [f32; 4] = zeroed(n.instances * n.vertices),
     }
+}
+
+/// The largest buffer that kernels read, with its bytes.
+fn largest(avatar: &Avatar, tables: &Tables, sizes: &Sizes) -> (u64, &'static str) {
+    let n = sizes.instances;
+    let cubature = PointBuffers::largest(&tables.cubature, sizes.constants(avatar), n);
+    let skin = PointBuffers::largest(&tables.skin, sizes.skin_constants(avatar), n);
+    CommonBuffers::largest(tables, sizes)
+        .max(cubature)
+        .max(skin)
+}
+
+/// That `instances` avatars fit on a device of these `limits`.
+///
+/// # Errors
+/// [`GpuError::Limit`] with how many instances do, or, where none does, what is too large.
+fn check_room(
+    limits: &wgpu::Limits,
+    avatar: &Avatar,
+    tables: &Tables,
+    instances: usize,
+    options: &GpuOptions,
+) -> Result<()> {
+    let fit = |n: usize| {
+        let sizes = Sizes::new(limits, avatar, tables, n, options);
+        sizes.check_dispatches(limits)?;
+        let (needed, name) = largest(avatar, tables, &sizes);
+        let (needed, name, limit) = match needed > buffer_limit(limits) {
+            true => (needed, name, buffer_limit(limits)),
+            false => (sizes.room_to_read(), "readback", limits.max_buffer_size),
+        };
+        if needed > limit {
+            return Err(GpuError::Limit {
+                what: format!("bytes in buffer `{name}`"),
+                needed,
+                limit,
+                cure: "use a smaller avatar, or lower GpuOptions::colliders or contacts",
+            }
+            .into());
+        }
+        Ok(())
+    };
+    let Err(error) = fit(instances) else {
+        return Ok(());
+    };
+    let mut most = 0;
+    let mut too_many = instances;
+    while too_many - most > 1 {
+        let middle = most + (too_many - most) / 2;
+        match fit(middle) {
+            Ok(()) => most = middle,
+            Err(_) => too_many = middle,
+        }
+    }
+    if most == 0 {
+        return Err(error);
+    }
+    Err(GpuError::Limit {
+        what: "instances of this avatar in one potential".to_owned(),
+        needed: instances as u64,
+        limit: most as u64,
+        cure: "make several potentials, lower GpuOptions::colliders or contacts, or make the device with larger \
+               max_storage_buffer_binding_size and max_buffer_size",
+    }
+    .into())
 }
 
 /// All buffers, and the texture of the mesh colliders.
@@ -87,6 +152,9 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
+    /// # Errors
+    /// [`GpuError::Limit`] where the device has no room: of instances, with how many there is room for, or else of what
+    /// a single one needs.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -95,6 +163,7 @@ impl Buffers {
         sizes: Sizes,
         options: &GpuOptions,
     ) -> Result<Self> {
+        check_room(&device.limits(), avatar, tables, sizes.instances, options)?;
         let allocator = Allocator { device, queue };
         let of_points =
             |table, constants| PointBuffers::new(allocator, table, constants, sizes.instances);

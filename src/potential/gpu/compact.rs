@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// The rows of the active contacts, each in the reduced space, and each block's rows.
 #[derive(Debug)]
@@ -28,8 +28,8 @@ impl Stage for Compact {
         "shared/exclusive_sum.wgsl",
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
-        let kernel = |entry| module.kernel(device, entry, &buffers.over_skin());
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
+        let kernel = |entry| pipelines.kernel(entry, &buffers.over_skin());
         Ok(Self {
             compact: kernel("compact")?,
             friction_rows: kernel("friction_rows")?,

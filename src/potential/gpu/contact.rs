@@ -3,9 +3,9 @@
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
 use super::sources::SHAPES;
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Depth and normal of every vertex at every collider.
 #[derive(Debug)]
@@ -25,10 +25,10 @@ impl Stage for Contact {
         SHAPES,
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            contact: module.kernel(device, "contact", &buffers.over_skin())?,
-            lagged: module.kernel(device, "contact", &buffers.over_lagged_skin())?,
+            contact: pipelines.kernel("contact", &buffers.over_skin())?,
+            lagged: pipelines.kernel("contact", &buffers.over_lagged_skin())?,
             groups: workgroups(buffers.sizes.vertices),
         })
     }

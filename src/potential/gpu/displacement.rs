@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Motion of the cubature points.
 #[derive(Debug)]
@@ -20,9 +20,9 @@ impl Stage for Displacement {
         "shared/point_motion.wgsl",
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            displacement: module.kernel(device, "displacement", &buffers.over_cubature())?,
+            displacement: pipelines.kernel("displacement", &buffers.over_cubature())?,
             groups: workgroups(buffers.sizes.points),
         })
     }

@@ -3,9 +3,9 @@
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
 use super::sources::MATERIAL;
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Stress and tangent of the cubature points.
 #[derive(Debug)]
@@ -24,9 +24,9 @@ impl Stage for Elasticity {
         MATERIAL,
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            elasticity: module.kernel(device, "elasticity", &buffers.over_cubature())?,
+            elasticity: pipelines.kernel("elasticity", &buffers.over_cubature())?,
             groups: workgroups(buffers.sizes.points),
         })
     }

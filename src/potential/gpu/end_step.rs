@@ -1,81 +1,103 @@
 //! What the state at a step's end tells, on the GPU: the stages of an evaluation without those that only the handles'
-//! derivatives need. One submission (one a chunk) and one readback of some hundred bytes a frame.
+//! derivatives need. It reads back some hundred bytes a frame.
 
-use super::evaluate::{energies, float};
-use super::potential::{GpuPotential, Start};
+use super::evaluate::{energies, float, is_sound};
+use super::recorder::{Recorder, Start};
 use super::shared::{BatchState, Summary};
 use super::stage::Stage;
+use crate::gpu::Submission;
 use crate::model::State;
 use crate::potential::StepEnd;
 use crate::{Error, Result};
 use glam::Vec3;
 
-/// Every wanted state, from its instance's start.
-pub(super) async fn end_step(
-    potential: &mut GpuPotential,
-    states: &[State],
-    wanted: &[bool],
-    out: &mut [StepEnd],
-) -> Result<()> {
-    let begun = |i: usize| potential.starts[i].is_some();
-    (potential.checks).states(states, wanted, out.len(), begun)?;
-    let instances = potential.starts.len();
-    potential.clear_uploads();
-    for (i, state) in states.iter().enumerate().filter(|(i, _)| wanted[*i]) {
-        let Start {
-            origin,
-            current,
-            batch_state,
-            ..
-        } = potential.start(i)?.clone();
-        let batch_state = BatchState {
-            slot: (instances + potential.batch.len()) as u32,
-            base: i as u32,
-            ..batch_state
-        };
-        potential.push_state(batch_state, &current, state, origin);
-    }
-    let count = potential.batch.len();
-    if count == 0 {
-        return Ok(());
-    }
-    potential.upload(instances);
-    let summary_bytes = (count * size_of::<Summary>()) as u64;
-    let stride = 4 * potential.buffers.sizes.result as u64;
-    let gradient_bytes = 4 * 6 * potential.buffers.sizes.bones as u64;
-    let mut done = 0;
-    for batch in potential.chunks(count) {
-        done += batch.states as usize;
-        potential.submit(
-            |stages, pass| {
+impl Recorder {
+    /// Every wanted state, from its instance's start.
+    ///
+    /// # Errors
+    /// As [`Potential::end_step`](crate::potential::Potential::end_step), and [`crate::GpuError::Limit`] where the
+    /// submission has no room to read it back; nothing is recorded then.
+    pub fn record_end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        submission: &mut Submission,
+    ) -> Result<()> {
+        self.results = 0..0;
+        let begun = |i: usize| self.starts[i].is_some();
+        (self.checks).states(states, wanted, self.starts.len(), begun)?;
+        let instances = self.starts.len();
+        self.clear_uploads();
+        for (i, state) in states.iter().enumerate().filter(|(i, _)| wanted[*i]) {
+            let Start {
+                origin,
+                current,
+                batch_state,
+                ..
+            } = self.start(i)?.clone();
+            let batch_state = BatchState {
+                slot: (instances + self.batch.len()) as u32,
+                base: i as u32,
+                ..batch_state
+            };
+            if !self.push_state(batch_state, &current, state, origin) {
+                let quantity = "state in f32";
+                return Err(Error::NotFinite { quantity });
+            }
+        }
+        let count = self.batch.len();
+        if count == 0 {
+            return Ok(());
+        }
+        let summary_bytes = (count * size_of::<Summary>()) as u64;
+        let gradient_bytes = self.frame_gradient_bytes() as u64;
+        let room = submission.reserve(summary_bytes + count as u64 * gradient_bytes)?;
+        self.results = room.start as usize..room.end as usize;
+        self.claim_states(submission);
+        self.upload_states(instances);
+        self.upload_batch(0);
+        for batch in self.chunks(count) {
+            self.dispatch(submission, |stages, pass| {
                 stages.displacement.dispatch(pass, batch);
                 stages.contact.dispatch(pass, batch);
-                if potential.has_friction {
+                if self.has_friction {
                     stages.friction.dispatch(pass, batch);
                 }
                 stages.compact.dispatch(pass, batch);
                 stages.gradient.dispatch_frames(pass, batch);
                 stages.energy.dispatch(pass, batch);
-            },
-            |encoder| {
-                if done == count {
-                    let (readback, common) = (&potential.readback, &potential.buffers.common);
-                    readback.record(encoder, common.summaries.raw(), 0..summary_bytes, 0);
-                    for b in 0..count as u64 {
-                        let range = b * stride..b * stride + gradient_bytes;
-                        let at = summary_bytes + b * gradient_bytes;
-                        readback.record(encoder, common.result.raw(), range, at);
-                    }
-                }
-            },
-        );
+            });
+        }
+        let common = &self.buffers.common;
+        submission.copy(common.summaries.raw(), 0..summary_bytes, room.start);
+        let stride = 4 * self.buffers.sizes.result as u64;
+        for b in 0..count as u64 {
+            let range = b * stride..b * stride + gradient_bytes;
+            let at = room.start + summary_bytes + b * gradient_bytes;
+            submission.copy(common.result.raw(), range, at);
+        }
+        Ok(())
     }
-    let batch = &potential.batch;
-    let unpack = |bytes: &[u8]| {
-        let (summaries, gradients) = bytes.split_at(summary_bytes as usize);
+
+    /// Unpacks what [`Recorder::record_end_step`] brought back in `bytes`.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::Invalid`] where `bytes` or `out` are others.
+    pub fn finish_end_step(&mut self, bytes: &[u8], out: &mut [StepEnd]) -> Result<()> {
+        self.checks.count("out", out.len())?;
+        let bytes = self.own(bytes)?;
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let (summaries, gradients) = bytes.split_at(self.batch.len() * size_of::<Summary>());
+        if !gradients.chunks_exact(4).all(|b| is_sound(float(b))) {
+            return Err(Error::NotFinite {
+                quantity: "gradient of the tissue by frames",
+            });
+        }
         let summaries = summaries.chunks_exact(size_of::<Summary>());
-        let gradients = gradients.chunks_exact(gradient_bytes as usize);
-        for ((state, summary), gradient) in batch.iter().zip(summaries).zip(gradients) {
+        let gradients = gradients.chunks_exact(self.frame_gradient_bytes());
+        for ((state, summary), gradient) in self.batch.iter().zip(summaries).zip(gradients) {
             let summary: Summary = bytemuck::pod_read_unaligned(summary);
             let end = &mut out[state.instance as usize];
             end.energies = energies(&summary)?;
@@ -85,20 +107,12 @@ pub(super) async fn end_step(
             end.frame_gradient.clear();
             let numbers = gradient.chunks_exact(4).map(|b| f64::from(float(b)));
             end.frame_gradient.extend(numbers);
-            if !end.frame_gradient.iter().all(|g| g.is_finite()) {
-                return Err(Error::NotFinite {
-                    quantity: "gradient of the tissue by frames",
-                });
-            }
         }
         Ok(())
-    };
-    potential
-        .readback
-        .read(
-            &potential.device,
-            summary_bytes + count as u64 * gradient_bytes,
-            unpack,
-        )
-        .await?
+    }
+
+    /// Bytes of a state's gradient by frames.
+    fn frame_gradient_bytes(&self) -> usize {
+        4 * 6 * self.buffers.sizes.bones
+    }
 }

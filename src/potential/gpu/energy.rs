@@ -3,9 +3,9 @@
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
 use super::sources::MATERIAL;
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// The energies of points and contacts, and their sums.
 #[derive(Debug)]
@@ -29,12 +29,12 @@ impl Stage for Energy {
         MATERIAL,
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         let (cubature, skin) = (buffers.over_cubature(), buffers.over_skin());
         Ok(Self {
-            point_energy: module.kernel(device, "point_energy", &cubature)?,
-            contact_energy: module.kernel(device, "contact_energy", &skin)?,
-            energy: module.kernel(device, "energy", &cubature)?,
+            point_energy: pipelines.kernel("point_energy", &cubature)?,
+            contact_energy: pipelines.kernel("contact_energy", &skin)?,
+            energy: pipelines.kernel("energy", &cubature)?,
             point_groups: workgroups(buffers.sizes.points),
             vertex_groups: workgroups(buffers.sizes.vertices),
         })

@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Lists the lagged contacts at a step's start; measures their slip in every state.
 #[derive(Debug)]
@@ -25,8 +25,8 @@ impl Stage for Friction {
         "shared/exclusive_sum.wgsl",
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
-        let kernel = |entry| module.kernel(device, entry, &buffers.over_lagged_skin());
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
+        let kernel = |entry| pipelines.kernel(entry, &buffers.over_lagged_skin());
         Ok(Self {
             lag: kernel("lag")?,
             anchor: kernel("anchor")?,

@@ -1,7 +1,7 @@
 //! The geometric terms of contact on the GPU's way: the rows of the active contacts are read back, and
 //! [`crate::potential::cpu::geometric`] assembles their terms in f64.
 
-use super::potential::{GpuPotential, Start};
+use super::recorder::{Recorder, Start};
 use super::shared::Contact;
 use crate::model::State;
 use crate::potential::cpu::contact::ContactRow;
@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 
 /// The terms of the rows in `contacts`, as read back, at `state`; none where the step did not ask for them.
 pub(super) fn geometric_terms(
-    potential: &GpuPotential,
+    recorder: &Recorder,
     start: &Start,
     state: &State,
     contacts: &[u8],
@@ -22,13 +22,17 @@ pub(super) fn geometric_terms(
     let Some(feature) = &start.geometric else {
         return;
     };
-    out.resize(potential.pattern.len(), [0.0; 9]);
-    let (skin, joints) = (&potential.avatar.skin, &potential.avatar.skeleton.joints);
+    out.resize(recorder.pattern.len(), [0.0; 9]);
+    let (skin, joints) = (&recorder.avatar.skin, &recorder.avatar.skeleton.joints);
     let mut rows = contacts
         .chunks_exact(size_of::<Contact>())
         .map(bytemuck::pod_read_unaligned::<Contact>);
     let count = rows.next().map_or(0, |header| header.body);
-    for row in rows.take(count as usize).filter(|row| row.force != 0.0) {
+    // A device that went wrong may bring anything.
+    let frames = state.frames.len();
+    let exists = |row: &Contact| (row.vertex as usize) < skin.len() && row.body as usize <= frames;
+    let rows = rows.take(count as usize);
+    for row in rows.filter(|row| row.force != 0.0 && exists(row)) {
         let v = row.vertex as usize;
         let mut rest = [DVec3::ZERO];
         pose_blend(&skin.position, &skin.pose_blend, feature, v, &mut rest);
@@ -45,13 +49,7 @@ pub(super) fn geometric_terms(
             force: row.force.into(),
             stiffness: row.stiffness.into(),
         };
-        add_geometric(
-            (&potential.pattern, &start.prescribed),
-            &row,
-            &vertex,
-            joints,
-            &state.frames,
-            out,
-        );
+        let pattern = (&recorder.pattern, &start.prescribed[..]);
+        add_geometric(pattern, &row, &vertex, joints, &state.frames, out);
     }
 }

@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// The gradient of points and contacts.
 #[derive(Debug)]
@@ -31,8 +31,8 @@ impl Stage for Gradient {
         "shared/contact.wgsl",
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
-        let kernel = |entry| module.kernel(device, entry, &buffers.over_cubature());
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
+        let kernel = |entry| pipelines.kernel(entry, &buffers.over_cubature());
         Ok(Self {
             point_gradient: kernel("point_gradient")?,
             gradient: kernel("gradient")?,

@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// The stored blocks of the Hessian, the terms of each in as many threads as its segments.
 #[derive(Debug)]
@@ -16,9 +16,9 @@ pub(super) struct Hessian {
 impl Stage for Hessian {
     const INCLUDES: &'static [&'static str] = &["shared/batch.wgsl", "shared/contact.wgsl"];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            hessian: module.kernel(device, "hessian", &buffers.over_cubature())?,
+            hessian: pipelines.kernel("hessian", &buffers.over_cubature())?,
             groups: workgroups(buffers.sizes.hessian_segments),
         })
     }

@@ -5,9 +5,11 @@
 //! - **What the device holds.** `stage_list` names the stages, `sources` composes their texts, `options` is what a host
 //!   chooses, `dispatch` is a batch of states and its chunks, `sizes` says how many of what there are, `grids` and
 //!   `buffers` are the memory.
-//! - **The stages.** `stage` is what they have in common; then one file a kernel; `stages` is all of them.
-//! - **A step.** `potential` is what is made once, `upload` sends states, `begin_step`, `geometric` and `evaluate`,
-//!   `end_step`, `energy_differences` and `pose_skin` submit the stages and read back; `profile` times them one by one.
+//! - **The stages.** `stage` is what they have in common; then one file a kernel; `stages` is all of them, and `kernels`
+//!   their pipelines, which potentials of one material law share.
+//! - **A step.** `recorder` is what is made once for a batch of avatars, `upload` sends states, `begin_step`, `geometric`,
+//!   `evaluate`, `end_step`, `energy_differences` and `pose_skin` record the stages into a submission and unpack what it
+//!   brings back; `potential` submits and awaits, `profile` times the stages one by one.
 
 // What the kernels see.
 mod pack;
@@ -40,6 +42,9 @@ mod skin;
 mod stage;
 mod stages;
 
+// Their pipelines.
+mod kernels;
+
 // A step.
 mod begin_step;
 mod end_step;
@@ -49,71 +54,12 @@ mod geometric;
 mod pose_skin;
 mod potential;
 mod profile;
+mod recorder;
 mod upload;
 
+pub use kernels::GpuKernels;
 pub use options::GpuOptions;
 pub use potential::GpuPotential;
+pub use recorder::Recorder;
 pub use sources::Sources;
 pub use stages::modules;
-
-use crate::Result;
-use crate::model::{Space, State};
-use crate::potential::{BlockPattern, Evaluation, Potential, StepEnd, StepStart, Trial};
-use glam::DVec3;
-
-impl Potential for GpuPotential {
-    fn name(&self) -> String {
-        self.name.clone()
-    }
-
-    fn space(&self) -> Space {
-        self.avatar.space()
-    }
-
-    fn pattern(&self) -> &BlockPattern {
-        &self.pattern
-    }
-
-    fn instances(&self) -> usize {
-        self.starts.len()
-    }
-
-    async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
-        begin_step::begin_step(self, starts, active).await
-    }
-
-    async fn evaluate(
-        &mut self,
-        states: &[State],
-        active: &[bool],
-        out: &mut [Evaluation],
-    ) -> Result<()> {
-        evaluate::evaluate(self, states, active, out).await
-    }
-
-    async fn end_step(
-        &mut self,
-        states: &[State],
-        wanted: &[bool],
-        out: &mut [StepEnd],
-    ) -> Result<()> {
-        end_step::end_step(self, states, wanted, out).await
-    }
-
-    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
-        energy_differences::energy_differences(self, trials, out).await
-    }
-
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        pose_skin::pose_skin(self, states).await
-    }
-
-    async fn read_skin(
-        &mut self,
-        instance: usize,
-        positions: &mut Vec<DVec3>,
-        normals: &mut Vec<DVec3>,
-    ) -> Result<()> {
-        pose_skin::read_skin(self, instance, positions, normals).await
-    }
-}

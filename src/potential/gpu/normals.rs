@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Area-weighted vertex normals.
 #[derive(Debug)]
@@ -16,9 +16,9 @@ pub(super) struct Normals {
 impl Stage for Normals {
     const INCLUDES: &'static [&'static str] = &["shared/batch.wgsl"];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            normals: module.kernel(device, "normals", &buffers.over_skin())?,
+            normals: pipelines.kernel("normals", &buffers.over_skin())?,
             groups: workgroups(buffers.sizes.vertices),
         })
     }

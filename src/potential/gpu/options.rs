@@ -1,7 +1,7 @@
 //! What a host chooses.
 
-use super::sources::Sources;
 use crate::gpu::Waiting;
+use std::time::Duration;
 
 /// What a [`GpuPotential`](super::GpuPotential) makes room for.
 #[derive(Clone, Debug)]
@@ -18,8 +18,10 @@ pub struct GpuOptions {
     pub scratch_bytes: u64,
     /// Who drives the device while a readback is awaited.
     pub waiting: Waiting,
-    /// The kernels' texts; `None` takes the library's own.
-    pub sources: Option<Sources>,
+    /// How long a readback that blocks its thread ([`Waiting::Block`]) is awaited at most, before it is a
+    /// [`GpuError::Timeout`](crate::GpuError::Timeout); the first answer ten times as long, since some drivers compile
+    /// kernels when they first run.
+    pub timeout: Duration,
 }
 
 impl Default for GpuOptions {
@@ -31,7 +33,7 @@ impl Default for GpuOptions {
             trials: 8,
             scratch_bytes: 128 << 20,
             waiting: Waiting::default(),
-            sources: None,
+            timeout: Duration::from_secs(10),
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::Batch;
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// All pairs of blocks of every point.
 #[derive(Debug)]
@@ -20,9 +20,9 @@ impl Stage for PointHessian {
         "shared/tensor.wgsl",
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            point_hessian: module.kernel(device, "point_hessian", &buffers.over_cubature())?,
+            point_hessian: pipelines.kernel("point_hessian", &buffers.over_cubature())?,
             points: buffers.sizes.points as u32,
         })
     }

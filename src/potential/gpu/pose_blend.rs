@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::{Run, Stage};
+use super::stage::{Run, Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Pose blend shapes of cubature points, touching skin and posed skin.
 #[derive(Debug)]
@@ -19,8 +19,8 @@ pub(super) struct PoseBlend {
 impl Stage for PoseBlend {
     const INCLUDES: &'static [&'static str] = &["shared/batch.wgsl", "shared/kinematics.wgsl"];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
-        let kernel = |bindings| module.kernel(device, "pose_blend", &bindings);
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
+        let kernel = |bindings| pipelines.kernel("pose_blend", &bindings);
         Ok(Self {
             cubature: kernel(buffers.over_cubature())?,
             skin: kernel(buffers.over_skin())?,

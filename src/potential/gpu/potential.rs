@@ -1,78 +1,44 @@
-//! The potential on the GPU: what is made once, and what a host may reach.
+//! The potential on the GPU as Newton sees it: each question recorded, submitted and awaited.
 
-use super::buffers::Buffers;
-use super::dispatch::Batch;
+use super::kernels::GpuKernels;
 use super::options::GpuOptions;
-use super::shared::{BatchState, Collider, Frame, Handle, SkinVertex, Summary};
-use super::sizes::Sizes;
-use super::sources::Sources;
-use super::stages::Stages;
-use super::tables::Tables;
-use crate::gpu::Readback;
-use crate::model::{Avatar, State};
-use crate::potential::BlockPattern;
-use crate::potential::checks::Checks;
-use crate::{Error, Result};
+use super::recorder::Recorder;
+use super::shared::SkinVertex;
+use crate::gpu::{AdapterDescription, Listener, Patience, Submission};
+use crate::math::Stopwatch;
+use crate::model::{Avatar, Space, State};
+use crate::potential::{
+    BlockPattern, Evaluation, EvaluationTimings, Potential, StepEnd, StepStart, Trial,
+};
+use crate::{Error, GpuError, Result};
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a step of one instance holds on to.
-#[derive(Clone, Debug)]
-pub(super) struct Start {
-    /// The root's place at tⁿ: what positions on the device are relative to.
-    pub origin: DVec3,
-    pub current: State,
-    /// A state of this instance in a batch, without its slots.
-    pub batch_state: BatchState,
-    /// Which frames are prescribed; empty where none is.
-    pub prescribed: Vec<bool>,
-    /// Pose feature of qⁿ where the geometric terms of contact are wanted.
-    pub geometric: Option<Vec<f64>>,
-}
-
 /// The tissue's energy for a batch of avatars, evaluated by WGSL kernels on the host's device.
 ///
-/// All buffers, pipelines and bind groups are made by [`GpuPotential::new`]; a step makes none. An
-/// evaluation is one submission and one readback.
+/// All buffers and bind groups are made by [`GpuPotential::with_kernels`], and pipelines before that, by
+/// [`GpuKernels`]; a step makes none. A step without a line search is two submissions and one readback: its start and the
+/// evaluation, and the posed skin.
 #[derive(Debug)]
 pub struct GpuPotential {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
-    pub(super) name: String,
-    pub(super) avatar: Arc<Avatar>,
-    pub(super) pattern: BlockPattern,
-    pub(super) checks: Checks,
-    /// Whether any collider has had friction so far.
-    pub(super) has_friction: bool,
-    /// Whether more pairs of vertex and collider than there is room for might have touched so far.
-    pub(super) selects: bool,
-    /// Whether any frame has been prescribed so far.
-    pub(super) has_prescribed: bool,
-    pub(super) options: GpuOptions,
-    pub(super) buffers: Buffers,
-    pub(super) stages: Stages,
-    pub(super) readback: Readback,
-    pub(super) skin_readback: Readback,
-    pub(super) starts: Vec<Option<Start>>,
-    pub(super) skin_origins: Vec<DVec3>,
-    /// Pose features of each instance's posed skin; empty before it is posed.
-    pub(super) posed_features: Vec<Vec<f32>>,
-    // What the next submission uploads; kept to spare allocations.
-    pub(super) batch: Vec<BatchState>,
-    pub(super) frames: Vec<Frame>,
-    pub(super) handles: Vec<Handle>,
-    pub(super) colliders: Vec<Collider>,
-    pub(super) features: Vec<f32>,
-    pub(super) prescribed: Vec<u32>,
+    name: String,
+    pub(super) recorder: Recorder,
+    /// What is recorded and not yet sent: a step's start waits here for its first evaluation.
+    pub(super) submission: Submission,
+    skin_submission: Submission,
+    timings: EvaluationTimings,
 }
 
 impl GpuPotential {
-    /// Prepares `instances` avatars on `device`, which needs [`crate::gpu::required_limits`].
+    /// Prepares `instances` avatars on `device`, which needs [`crate::gpu::required_limits`], with kernels of their own.
+    /// In a browser, where errors of pipelines come later, there is [`GpuPotential::with_kernels`] alone.
     ///
     /// # Errors
-    /// [`Error::Invalid`] names what is wrong with the avatar; [`crate::GpuError`] what the device
-    /// lacks.
+    /// [`Error::Invalid`] names what is wrong with the avatar; [`crate::GpuError`] what the device lacks.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -81,44 +47,43 @@ impl GpuPotential {
         options: GpuOptions,
     ) -> Result<Self> {
         avatar.validate()?;
-        if instances == 0 {
-            return Err(Error::invalid("instances", "at least one is needed"));
-        }
-        let tables = Tables::new(&avatar)?;
-        let sizes = Sizes::new(device, &avatar, &tables, instances, &options)?;
-        let buffers = Buffers::new(device, queue, &avatar, &tables, sizes, &options)?;
-        let default_sources = Sources::new(&avatar.material);
-        let sources = options.sources.as_ref().unwrap_or(&default_sources);
-        let stages = Stages::new(device, sources, &buffers)?;
-        let summaries = sizes.states * size_of::<Summary>();
-        let results = instances * sizes.result * size_of::<f32>();
-        let contacts = instances * sizes.contact_bytes();
-        let skin_bytes = sizes.vertices * size_of::<SkinVertex>();
-        let readback = |label, bytes| Readback::new(device, label, bytes as u64, options.waiting);
+        let kernels = GpuKernels::compile_blocking(device, &avatar.material, None)?;
+        Self::with_kernels(device, queue, &kernels, avatar, instances, options)
+    }
+
+    /// Prepares `instances` avatars on `device` with `kernels` that other potentials may have as well: makes buffers and
+    /// bind groups, and no pipeline.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] names what is wrong with the avatar, or that the kernels are of another device or material law;
+    /// [`crate::GpuError::Limit`] what the device has no room for, and how many instances it has room for; [`GpuError::Memory`] that its
+    /// memory is full.
+    pub fn with_kernels(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        kernels: &GpuKernels,
+        avatar: Arc<Avatar>,
+        instances: usize,
+        options: GpuOptions,
+    ) -> Result<Self> {
+        let patience = Patience {
+            waiting: options.waiting,
+            timeout: options.timeout,
+        };
+        let listener = Listener::new(device);
+        let recorder = Recorder::new(device, queue, kernels, avatar, instances, options)?;
+        let submission = |label, bytes| Submission::new(device, queue, label, bytes, patience);
+        let results = submission("results of the tissue", recorder.room_to_read())?;
+        let skin_submission = submission("posed skin", recorder.skin_bytes())?;
+        memory_error(listener)?;
         Ok(Self {
-            readback: readback("evaluation", summaries + results + contacts),
-            skin_readback: readback("skin", skin_bytes),
-            starts: vec![None; instances],
-            skin_origins: vec![DVec3::ZERO; instances],
-            posed_features: vec![Vec::new(); instances],
-            batch: Vec::with_capacity(sizes.states),
-            frames: Vec::with_capacity(buffers.common.frames.len()),
-            handles: Vec::with_capacity(buffers.common.handles.len()),
-            colliders: Vec::with_capacity(options.colliders),
-            features: Vec::with_capacity(buffers.common.pose_features.len()),
-            prescribed: Vec::with_capacity(buffers.common.prescribed.len()),
-            pattern: tables.pattern,
-            checks: Checks::new(&avatar, instances),
-            has_friction: false,
-            selects: false,
-            has_prescribed: false,
-            name: device.adapter_info().name,
+            submission: results,
+            skin_submission,
+            name: AdapterDescription::new(&device.adapter_info()).name,
             device: device.clone(),
             queue: queue.clone(),
-            avatar,
-            options,
-            buffers,
-            stages,
+            recorder,
+            timings: EvaluationTimings::default(),
         })
     }
 
@@ -126,60 +91,180 @@ impl GpuPotential {
     /// position in the first 12 and the normal in 12 from the 16th on. Positions are relative to
     /// [`GpuPotential::skin_origin`].
     pub fn skin_buffer(&self) -> &wgpu::Buffer {
-        self.buffers.common.skin_vertices.raw()
+        self.recorder.buffers.common.skin_vertices.raw()
     }
 
     /// Bytes of [`GpuPotential::skin_buffer`] that hold `instance`.
     pub fn skin_range(&self, instance: usize) -> Range<u64> {
-        let bytes = (self.avatar.skin.len() * size_of::<SkinVertex>()) as u64;
+        let bytes = self.recorder.skin_bytes();
         instance as u64 * bytes..(instance as u64 + 1) * bytes
     }
 
     /// What the positions in [`GpuPotential::skin_buffer`] are relative to, in world space: the root's
     /// place. Draw with this translation.
     pub fn skin_origin(&self, instance: usize) -> DVec3 {
-        self.skin_origins[instance]
+        self.recorder.skin_origins[instance]
     }
 
-    pub(super) fn submit(
-        &self,
-        record: impl FnOnce(&Stages, &mut wgpu::ComputePass<'_>),
-        copy: impl FnOnce(&mut wgpu::CommandEncoder),
-    ) {
-        let mut encoder = self.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            record(&self.stages, &mut pass);
-        }
-        copy(&mut encoder);
-        self.queue.submit([encoder.finish()]);
+    /// Another submission, with room for `bytes` to read back, for who steps several potentials together.
+    pub(crate) fn submission(&self, label: &str, bytes: u64) -> Result<Submission> {
+        let listener = Listener::new(&self.device);
+        let patience = self.recorder.patience();
+        let submission = Submission::new(&self.device, &self.queue, label, bytes, patience)?;
+        memory_error(listener)?;
+        Ok(submission)
     }
 
-    /// The dispatches that `states` states take, those with scratch memory in chunks.
-    pub(super) fn chunks(&self, states: usize) -> impl Iterator<Item = Batch> + use<> {
-        let size = self.buffers.sizes.chunk_size;
-        (0..states.div_ceil(size)).map(move |chunk| Batch {
-            chunk: chunk as u32,
-            states: size.min(states - chunk * size) as u32,
-        })
+    /// Bytes that a question reads back at most.
+    pub(crate) fn room_to_read(&self) -> u64 {
+        self.recorder.room_to_read()
+    }
+
+    /// For who steps several potentials together: records into a [`Submission`] of the caller's, which must have been
+    /// sent before anything else is asked of this potential. What waits in its own is sent first.
+    #[doc(hidden)]
+    pub fn recorder(&mut self) -> &mut Recorder {
+        self.submission.flush();
+        &mut self.recorder
     }
 
     /// What a stage left in the buffer that kernels call `name`, for tests that look at one stage alone.
     #[doc(hidden)]
-    pub async fn intermediate(&self, name: &str) -> Result<Vec<u8>> {
+    pub async fn intermediate(&mut self, name: &str) -> Result<Vec<u8>> {
         let written =
             |buffer: &&wgpu::Buffer| buffer.usage().contains(wgpu::BufferUsages::COPY_SRC);
-        let buffer = (self.buffers.find(name).filter(written)).ok_or_else(|| {
+        let buffer = (self.recorder.buffers.find(name).filter(written)).ok_or_else(|| {
             let problem = format!("there is no buffer `{name}` that kernels write");
             Error::invalid("intermediate", problem)
         })?;
-        let readback = Readback::new(&self.device, name, buffer.size(), self.options.waiting);
-        self.submit(
-            |_, _| {},
-            |encoder| readback.record(encoder, buffer, 0..buffer.size(), 0),
-        );
-        readback
-            .read(&self.device, buffer.size(), <[u8]>::to_vec)
-            .await
+        self.submission.flush();
+        let mut submission = Submission::new(
+            &self.device,
+            &self.queue,
+            name,
+            buffer.size(),
+            self.recorder.patience(),
+        )?;
+        let at = submission.reserve(buffer.size())?.start;
+        submission.copy(buffer, 0..buffer.size(), at);
+        Ok(submission.read().await?.to_vec())
+    }
+}
+
+/// What the driver refused since.
+fn memory_error(listener: Listener) -> Result<()> {
+    let heard = listener.heard();
+    // In a browser it comes later, as a lost device.
+    if cfg!(not(target_arch = "wasm32"))
+        && let Some(message) = pollster::block_on(heard)
+    {
+        return Err(GpuError::Memory(message).into());
+    }
+    Ok(())
+}
+
+impl Potential for GpuPotential {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn space(&self) -> Space {
+        self.recorder.avatar.space()
+    }
+
+    fn pattern(&self) -> &BlockPattern {
+        &self.recorder.pattern
+    }
+
+    fn instances(&self) -> usize {
+        self.recorder.starts.len()
+    }
+
+    /// The time until results were there is all `readback`: the host sees nothing of the stages before.
+    fn timings(&self) -> EvaluationTimings {
+        self.timings
+    }
+
+    /// Only records: the first evaluation submits it with itself, or else whatever comes next.
+    async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
+        self.timings = EvaluationTimings::default();
+        (self.recorder).record_begin_step(starts, active, &mut self.submission)
+    }
+
+    async fn evaluate(
+        &mut self,
+        states: &[State],
+        active: &[bool],
+        out: &mut [Evaluation],
+    ) -> Result<()> {
+        self.recorder.checks.count("out", out.len())?;
+        (self.recorder).record_evaluate(states, active, &mut self.submission)?;
+        let clock = Stopwatch::start();
+        let bytes = self.submission.read().await?;
+        self.timings.readback += clock.ms();
+        self.recorder.finish_evaluate(&bytes, states, out)
+    }
+
+    async fn end_step(
+        &mut self,
+        states: &[State],
+        wanted: &[bool],
+        out: &mut [StepEnd],
+    ) -> Result<()> {
+        self.recorder.checks.count("out", out.len())?;
+        (self.recorder).record_end_step(states, wanted, &mut self.submission)?;
+        let clock = Stopwatch::start();
+        let bytes = self.submission.read().await?;
+        self.timings.readback += clock.ms();
+        self.recorder.finish_end_step(&bytes, out)
+    }
+
+    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+        let begun = |i: usize| self.recorder.starts[i].is_some();
+        self.recorder.checks.trials(trials, out.len(), begun)?;
+        let mut done = 0;
+        while done < trials.len() {
+            let (trials, submission) = (&trials[done..], &mut self.submission);
+            let count = (self.recorder).record_energy_differences(trials, submission)?;
+            let clock = Stopwatch::start();
+            let bytes = self.submission.read().await?;
+            self.timings.readback += clock.ms();
+            let out = &mut out[done..done + count];
+            self.recorder.finish_energy_differences(&bytes, out)?;
+            done += count;
+        }
+        Ok(())
+    }
+
+    /// Submits: what is drawn from may be used by the host's next submission.
+    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+        (self.recorder).record_pose_skin(states, &mut self.submission)?;
+        self.submission.flush();
+        Ok(())
+    }
+
+    async fn read_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        self.recorder.checks.instance(instance)?;
+        let range = self.skin_range(instance);
+        let at = (self.skin_submission).reserve(range.end - range.start)?;
+        if !at.is_empty() {
+            let buffer = self.recorder.buffers.common.skin_vertices.raw();
+            self.skin_submission.copy(buffer, range, at.start);
+        }
+        let origin = self.skin_origin(instance);
+        let bytes = self.skin_submission.read().await?;
+        positions.clear();
+        normals.clear();
+        for bytes in bytes.chunks_exact(size_of::<SkinVertex>()) {
+            let vertex: SkinVertex = bytemuck::pod_read_unaligned(bytes);
+            positions.push(origin + glam::Vec3::from_array(vertex.position).as_dvec3());
+            normals.push(glam::Vec3::from_array(vertex.normal).as_dvec3());
+        }
+        Ok(())
     }
 }

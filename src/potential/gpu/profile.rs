@@ -4,7 +4,8 @@ use super::potential::GpuPotential;
 use super::shared::Summary;
 use super::stages::{Dispatch, Stages};
 use crate::Result;
-use std::time::Instant;
+use crate::gpu::Submission;
+use crate::math::Stopwatch;
 
 impl GpuPotential {
     /// Least wall-clock seconds of each stage over `repeats` runs on the states of the last
@@ -15,25 +16,25 @@ impl GpuPotential {
     /// [`crate::GpuError::DeviceLost`].
     pub async fn stage_times(&mut self, repeats: usize) -> Result<Vec<(&'static str, f64)>> {
         let empty: (&str, Dispatch) = ("submission", Box::new(|_, _, _| {}));
-        let mut times = Vec::new();
+        self.submission.flush();
+        let bytes = size_of::<Summary>() as u64;
+        let patience = self.recorder.patience();
+        let mut submission = Submission::new(&self.device, &self.queue, "stage", bytes, patience)?;
+        let (recorder, mut times) = (&self.recorder, Vec::new());
         for (name, dispatch) in std::iter::once(empty).chain(Stages::timed()) {
             let mut least = f64::INFINITY;
             for _ in 0..repeats.max(1) {
-                let clock = Instant::now();
-                let bytes = size_of::<Summary>() as u64;
-                self.submit(
-                    |stages, pass| {
-                        for batch in self.chunks(self.batch.len()) {
-                            dispatch(stages, pass, batch);
-                        }
-                    },
-                    |encoder| {
-                        let summaries = self.buffers.common.summaries.raw();
-                        self.readback.record(encoder, summaries, 0..bytes, 0);
-                    },
-                );
-                self.readback.read(&self.device, bytes, |_| ()).await?;
-                least = least.min(clock.elapsed().as_secs_f64());
+                let clock = Stopwatch::start();
+                recorder.dispatch(&mut submission, |stages, pass| {
+                    for batch in recorder.chunks(recorder.batch.len()) {
+                        dispatch(stages, pass, batch);
+                    }
+                });
+                let at = submission.reserve(bytes)?.start;
+                let summaries = recorder.buffers.common.summaries.raw();
+                submission.copy(summaries, 0..bytes, at);
+                drop(submission.read().await?);
+                least = least.min(clock.ms() / 1e3);
             }
             times.push((name, least));
         }

@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::Batch;
-use super::stage::{Run, Stage};
+use super::stage::{Run, Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Keeps the deepest pairs of the starts.
 #[derive(Debug)]
@@ -20,10 +20,10 @@ impl Stage for Select {
         "shared/exclusive_sum.wgsl",
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            deepest: module.kernel(device, "keep_deepest", &buffers.over_skin())?,
-            lagged: module.kernel(device, "keep_deepest", &buffers.over_lagged_skin())?,
+            deepest: pipelines.kernel("keep_deepest", &buffers.over_skin())?,
+            lagged: pipelines.kernel("keep_deepest", &buffers.over_lagged_skin())?,
         })
     }
 

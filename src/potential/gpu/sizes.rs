@@ -1,8 +1,8 @@
 //! How many of what there are, and how many there is room for.
 
-use super::dispatch::{CHUNK_STRIDE, workgroups};
+use super::dispatch::{Batch, CHUNK_STRIDE, workgroups};
 use super::options::GpuOptions;
-use super::shared::{Constants, Contact};
+use super::shared::{Constants, Contact, Summary};
 use super::tables::Tables;
 use crate::model::Avatar;
 use crate::{GpuError, Result};
@@ -16,7 +16,7 @@ fn row_room(contacts: usize) -> usize {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes {
     pub instances: usize,
-    /// States that one submission takes besides the starts.
+    /// States that one submission takes besides the starts, which come behind them in a batch.
     pub states: usize,
     /// States that one dispatch takes where scratch memory is needed.
     pub chunk_size: usize,
@@ -57,15 +57,14 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// # Errors
-    /// [`GpuError::Limit`] where the device dispatches no kernel so large.
+    /// For `instances` avatars on a device of these `limits`.
     pub fn new(
-        device: &wgpu::Device,
+        limits: &wgpu::Limits,
         avatar: &Avatar,
         tables: &Tables,
         instances: usize,
         options: &GpuOptions,
-    ) -> Result<Self> {
+    ) -> Self {
         let (cubature, skin) = (&tables.cubature, &tables.skin);
         let (points, vertices) = (cubature.points.len(), skin.points.len());
         let space = avatar.space();
@@ -74,21 +73,18 @@ impl Sizes {
         // The largest scratch buffers of one state decide how many go at once.
         let scratch = [
             48 * cubature.pairs,
+            size_of::<Contact>() * (rows + 1),
             4 * space.blocks() * (rows + 1),
             16 * rows * contact_blocks,
         ];
         let scratch = scratch.into_iter().max().unwrap_or(1).max(1) as u64;
-        let limits = device.limits();
-        let room = options
-            .scratch_bytes
-            .min(limits.max_storage_buffer_binding_size)
-            .min(limits.max_buffer_size);
-        let states = instances.max(2 * options.trials.max(1));
-        let sizes = Self {
+        let room = options.scratch_bytes.min(buffer_limit(limits));
+        let states = instances.max(options.trials.max(1).saturating_mul(2));
+        Self {
             instances,
             states,
             chunk_size: instances.min((room / scratch) as usize).max(1),
-            slots: instances + states,
+            slots: instances.saturating_add(states),
             points,
             vertices,
             bones: space.frames,
@@ -106,12 +102,44 @@ impl Sizes {
             contact_blocks,
             partial_energies: (workgroups(points) + workgroups(vertices)) as usize,
             result: space.dofs() + 9 * tables.pattern.len(),
-        };
-        check_dispatch(device, "cubature points", points)?;
-        let hessian_groups = workgroups(sizes.hessian_segments) as usize;
-        check_dispatch(device, "workgroups of the Hessian", hessian_groups)?;
-        check_dispatch(device, "states in a submission", states)?;
-        Ok(sizes)
+        }
+    }
+
+    /// # Errors
+    /// [`GpuError::Limit`] where the device dispatches no kernel so large.
+    pub fn check_dispatches(&self, limits: &wgpu::Limits) -> Result<()> {
+        let limit = u64::from(limits.max_compute_workgroups_per_dimension);
+        let hessian_groups = workgroups(self.hessian_segments) as usize;
+        for (what, needed) in [
+            ("cubature points", self.points),
+            ("workgroups of the Hessian", hessian_groups),
+            ("states in a submission", self.states),
+        ] {
+            if needed as u64 > limit {
+                return Err(GpuError::Limit {
+                    what: what.to_owned(),
+                    needed: needed as u64,
+                    limit,
+                    cure: "use fewer instances or a smaller avatar, or evaluate on the CPU",
+                }
+                .into());
+            }
+        }
+        Ok(())
+    }
+
+    /// The starts of a step, of which there are `count`: their places are behind those of the states.
+    pub fn starts(&self, count: usize) -> Batch {
+        Batch {
+            chunk: self.states.div_ceil(self.chunk_size) as u32,
+            states: count as u32,
+        }
+    }
+
+    /// Bytes that one question reads back at most.
+    pub fn room_to_read(&self) -> u64 {
+        let results = 4 * self.result + self.contact_bytes();
+        (self.states * size_of::<Summary>() + self.instances * results) as u64
     }
 
     /// What kernels over the cubature points know.
@@ -149,10 +177,10 @@ impl Sizes {
         (1 + self.rows) * size_of::<Contact>()
     }
 
-    /// The first state of every chunk, padded to [`CHUNK_STRIDE`].
+    /// The first state of every chunk, and the first start, padded to [`CHUNK_STRIDE`].
     pub fn chunks(&self) -> Vec<[u32; CHUNK_STRIDE as usize / 4]> {
         let first = (0..self.states).step_by(self.chunk_size);
-        let padded = first.map(|first| {
+        let padded = first.chain([self.states]).map(|first| {
             let mut words = [0; CHUNK_STRIDE as usize / 4];
             words[0] = first as u32;
             words
@@ -161,16 +189,7 @@ impl Sizes {
     }
 }
 
-fn check_dispatch(device: &wgpu::Device, what: &str, needed: usize) -> Result<()> {
-    let limit = u64::from(device.limits().max_compute_workgroups_per_dimension);
-    if needed as u64 > limit {
-        return Err(GpuError::Limit {
-            what: what.to_owned(),
-            needed: needed as u64,
-            limit,
-            cure: "use a smaller avatar or evaluate on the CPU",
-        }
-        .into());
-    }
-    Ok(())
+/// Bytes that a buffer which kernels read may have.
+pub(super) fn buffer_limit(limits: &wgpu::Limits) -> u64 {
+    (limits.max_storage_buffer_binding_size).min(limits.max_buffer_size)
 }

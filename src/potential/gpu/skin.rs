@@ -2,9 +2,9 @@
 
 use super::buffers::Buffers;
 use super::dispatch::{Batch, workgroups};
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use crate::Result;
-use crate::gpu::{Kernel, Module};
+use crate::gpu::Kernel;
 
 /// Linear blend skinning of the posed skin.
 #[derive(Debug)]
@@ -20,9 +20,9 @@ impl Stage for Skin {
         "shared/point_motion.wgsl",
     ];
 
-    fn new(device: &wgpu::Device, module: &Module, buffers: &Buffers) -> Result<Self> {
+    fn new(pipelines: &StagePipelines, buffers: &Buffers) -> Result<Self> {
         Ok(Self {
-            skin: module.kernel(device, "skin", &buffers.over_posed_skin())?,
+            skin: pipelines.kernel("skin", &buffers.over_posed_skin())?,
             groups: workgroups(buffers.sizes.vertices),
         })
     }

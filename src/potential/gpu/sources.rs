@@ -73,6 +73,11 @@ impl Sources {
         }
     }
 
+    /// Which material law they are for, by the files of its texts.
+    pub(super) fn material(&self) -> &'static [&'static str] {
+        self.material
+    }
+
     /// Paths of all files, under `kernels/`.
     pub fn paths(&self) -> impl Iterator<Item = &'static str> {
         self.files.iter().map(|(path, _)| *path)

@@ -3,10 +3,10 @@
 use super::buffers::Buffers;
 use super::dispatch::Batch;
 use super::sources::Sources;
-use super::stage::Stage;
+use super::stage::{Stage, StagePipelines};
 use super::stage_list::with_stages;
-use crate::Result;
 use crate::gpu::Module;
+use crate::{GpuError, Result};
 
 /// One way to dispatch one of the stages.
 pub(super) type Dispatch = Box<dyn Fn(&Stages, &mut wgpu::ComputePass<'_>, Batch) + Send + Sync>;
@@ -20,13 +20,9 @@ macro_rules! stages {
         }
 
         impl Stages {
-            pub fn new(device: &wgpu::Device, sources: &Sources, buffers: &Buffers) -> Result<Self> {
-                Ok(Self {
-                    $($name: {
-                        let includes = <super::$name::$stage as Stage>::INCLUDES;
-                        Stage::new(device, &sources.module(stringify!($name), includes)?, buffers)?
-                    },)*
-                })
+            /// Binds `buffers` to the pipelines of all stages.
+            pub fn new(pipelines: &[StagePipelines], buffers: &Buffers) -> Result<Self> {
+                Ok(Self { $($name: Stage::new(find(pipelines, stringify!($name))?, buffers)?,)* })
             }
 
             /// What is timed of every stage, under its name.
@@ -39,15 +35,27 @@ macro_rules! stages {
             }
         }
 
-        /// Every kernel, parsed and validated; needs no device.
-        ///
-        /// # Errors
-        /// [`crate::GpuError::Shader`] of the first that does not compile.
-        pub fn modules(sources: &Sources) -> Result<Vec<Module>> {
-            Ok(vec![
-                $(sources.module(stringify!($name), <super::$name::$stage as Stage>::INCLUDES)?,)*
-            ])
-        }
+        /// Every stage's name, and the files that its own builds on.
+        pub(super) const INCLUDES: &[(&str, &[&str])] =
+            &[$((stringify!($name), <super::$name::$stage as Stage>::INCLUDES)),*];
     };
 }
 with_stages!(stages);
+
+fn find<'a>(pipelines: &'a [StagePipelines], name: &str) -> Result<&'a StagePipelines> {
+    let found = pipelines.iter().find(|p| p.name == name);
+    Ok(found.ok_or_else(|| GpuError::Shader {
+        kernel: name.to_owned(),
+        message: "is not compiled".to_owned(),
+    })?)
+}
+
+/// Every kernel, parsed and validated; needs no device.
+///
+/// # Errors
+/// [`GpuError::Shader`] of the first that does not compile.
+pub fn modules(sources: &Sources) -> Result<Vec<Module>> {
+    (INCLUDES.iter())
+        .map(|(name, includes)| sources.module(name, includes))
+        .collect()
+}

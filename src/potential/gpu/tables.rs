@@ -13,6 +13,9 @@ const MAX_POINT_BLOCKS: usize = 192;
 /// Blocks that may move one skin vertex: places are bytes, 0 meaning none, and the last two a body's.
 const MAX_VERTEX_BLOCKS: usize = 253;
 
+/// |F| to which the kernels compute: its sixth power, times a stiffness and a point's volume, is within f32.
+const MAX_STRETCH: f64 = 1e4;
+
 /// A set of points as the kernels read it.
 #[derive(Debug, Default)]
 pub(super) struct PointTable {
@@ -89,6 +92,8 @@ impl PointTable {
 pub(super) struct Tables {
     pub cubature: PointTable,
     pub skin: PointTable,
+    /// max Σ |∇U| of a cubature point's handles, 1/m.
+    pub steepest: f64,
     /// Parameters of the material, as its kernel reads them.
     pub material: Vec<u8>,
     /// What the material has of its own at every cubature point.
@@ -157,6 +162,7 @@ impl Tables {
         Ok(Self {
             cubature,
             skin,
+            steepest: steepest(&avatar.cubature),
             material: avatar.material.parameters().bytes,
             tissue: local_tissue(avatar),
             pattern,
@@ -167,6 +173,16 @@ impl Tables {
             one_ring: one_ring.into_iter().collect(),
         })
     }
+
+    /// Longest φ and Δφ, m, with which F stays below [`MAX_STRETCH`].
+    pub fn longest_handle(&self) -> f32 {
+        (MAX_STRETCH / self.steepest.max(1e-6)) as f32
+    }
+}
+
+fn steepest(set: &PointSet) -> f64 {
+    let slope = |i| -> f64 { set.basis.row(i).iter().map(|u| u.gradient.length()).sum() };
+    (0..set.len()).map(slope).fold(0.0, f64::max)
 }
 
 /// Terms that one thread sums, if a workgroup has room for the block's others: 7 is the median of a hand's, and up to 422

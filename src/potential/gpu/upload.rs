@@ -1,24 +1,16 @@
 //! What the next submission sends to the device.
 
 use super::pack;
-use super::potential::{GpuPotential, Start};
+use super::recorder::Recorder;
 use super::shared::BatchState;
 use crate::model::{State, pose_feature};
-use crate::{Error, Result};
+use bytemuck::Pod;
 use glam::DVec3;
 
-impl GpuPotential {
-    pub(super) fn start(&self, instance: usize) -> Result<&Start> {
-        (self.starts.get(instance))
-            .and_then(Option::as_ref)
-            .ok_or_else(|| {
-                Error::invalid(
-                    "instance",
-                    format!("{instance} has not begun a step; call begin_step first"),
-                )
-            })
-    }
+/// Longest that any number of a frame may be, m: beyond it f32 would not hold what comes of it.
+const LONGEST_FRAME: f32 = 1e9;
 
+impl Recorder {
     pub(super) fn clear_uploads(&mut self) {
         self.batch.clear();
         self.frames.clear();
@@ -26,18 +18,22 @@ impl GpuPotential {
         self.features.clear();
     }
 
-    /// Appends a state to the uploads.
+    /// Appends a state to the uploads; false where it had to be cut to what f32 can compute with. The kernels' language
+    /// promises nothing of numbers that overflow, not even that they are infinite.
     pub(super) fn push_state(
         &mut self,
         batch_state: BatchState,
         base: &State,
         state: &State,
         origin: DVec3,
-    ) {
+    ) -> bool {
+        let (first_frame, first_handle) = (self.frames.len(), self.handles.len());
         let skeleton = &self.avatar.skeleton;
         self.batch.push(batch_state);
         (self.frames).extend(pack::frames(skeleton, base, state, origin));
         self.handles.extend(pack::handles(base, state));
+        let frames = cut(&mut self.frames[first_frame..], LONGEST_FRAME);
+        frames & cut(&mut self.handles[first_handle..], self.longest_handle)
     }
 
     pub(super) fn push_features(&mut self, state: &State) {
@@ -48,7 +44,7 @@ impl GpuPotential {
         self.features.extend(feature.iter().map(|&f| f as f32));
     }
 
-    /// Sends which frames are prescribed in each state of the batch.
+    /// Sends which frames are prescribed in each state of the batch; belongs to the states' part of the uploads.
     pub(super) fn upload_prescribed(&mut self) {
         if !self.has_prescribed {
             return;
@@ -67,11 +63,45 @@ impl GpuPotential {
         (self.buffers.common.prescribed).write(&self.queue, 0, &self.prescribed);
     }
 
-    /// Sends the uploads; states go to consecutive slots from `slot` on.
-    pub(super) fn upload(&self, slot: usize) {
+    /// Sends frames and handles to consecutive slots from `slot` on.
+    pub(super) fn upload_states(&self, slot: usize) {
         let (space, buffers) = (self.avatar.space(), &self.buffers.common);
-        buffers.batch.write(&self.queue, 0, &self.batch);
         (buffers.frames).write(&self.queue, slot * space.frames, &self.frames);
         (buffers.handles).write(&self.queue, slot * space.handles, &self.handles);
+    }
+
+    /// Sends the batch, its first state to place `first`, and its pose features.
+    pub(super) fn upload_batch(&self, first: usize) {
+        let buffers = &self.buffers.common;
+        buffers.batch.write(&self.queue, first, &self.batch);
+        let first = first * self.buffers.sizes.features;
+        (buffers.pose_features).write(&self.queue, first, &self.features);
+    }
+}
+
+/// Cuts all numbers of `items`, which hold f32 and zeros, to `longest`; whether nothing was cut.
+fn cut(items: &mut [impl Pod], longest: f32) -> bool {
+    let mut whole = true;
+    for x in bytemuck::cast_slice_mut::<_, f32>(items) {
+        whole &= x.abs() <= longest;
+        *x = x.clamp(-longest, longest);
+    }
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_too_long_is_cut_and_told() {
+        let mut items = [[1.0f32, -2.0], [0.0, 2.0]];
+        assert!(cut(&mut items, 2.0));
+        assert_eq!(items, [[1.0, -2.0], [0.0, 2.0]]);
+        assert!(!cut(&mut items, 1.5));
+        assert_eq!(items, [[1.0, -1.5], [0.0, 1.5]]);
+        let mut items = [f32::INFINITY, f32::NEG_INFINITY];
+        assert!(!cut(&mut items, 3.0));
+        assert_eq!(items, [3.0, -3.0]);
     }
 }

@@ -3,6 +3,8 @@
 mod bodies;
 mod coming_and_going;
 mod driving;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod snapshots;
 
 use crate::support;

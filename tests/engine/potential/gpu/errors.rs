@@ -6,7 +6,7 @@ use supple::gpu::{AdapterChoice, AdapterKind, GpuDevice, adapters};
 use supple::internal::gpu::Sources;
 use supple::internal::gpu_plumbing::{Bindings, Module};
 use supple::internal::random_avatar;
-use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, StepStart};
+use supple::potential::{Evaluation, GpuKernels, GpuOptions, Potential, StepStart};
 use supple::{Error, GpuError};
 
 /// The GPU error of a result that must be one.
@@ -54,24 +54,19 @@ fn what_goes_wrong_has_a_type() {
     let sources = Sources::new(&avatar.material)
         .edited("displacement.wgsl", "fn displacement(", "fn displacement((")
         .unwrap();
-    let options = GpuOptions {
-        sources: Some(sources),
-        ..GpuOptions::default()
-    };
-    let error = gpu_error(GpuPotential::new(
-        &gpu.device,
-        &gpu.queue,
-        avatar,
-        1,
-        options,
-    ));
+    let compiled = GpuKernels::compile_sources(&gpu.device, &sources, None);
+    let error = gpu_error(pollster::block_on(compiled));
     assert!(matches!(error, GpuError::Shader { .. }), "{error}");
     assert!(error.to_string().contains("displacement"), "{error}");
 
     let source = "@group(0) @binding(0) var<storage, read_write> numbers: array<f32>;\n\
                   @compute @workgroup_size(1) fn main() { numbers[0] = 1.0; }";
     let module = Module::parse("lonely", source.to_owned()).unwrap();
-    let error = gpu_error(module.kernel(&gpu.device, "main", &Bindings::default()));
+    let (shader, taken) = module.shader(&gpu.device);
+    pollster::block_on(taken).unwrap();
+    let (pipeline, taken) = shader.pipeline("main", &[], None).unwrap();
+    pollster::block_on(taken).unwrap();
+    let error = gpu_error(pipeline.bind(&Bindings::default()));
     assert!(matches!(error, GpuError::MissingBuffer { .. }), "{error}");
     assert!(error.to_string().contains("numbers"), "{error}");
 }

@@ -4,15 +4,16 @@
 mod case;
 mod errors;
 mod few_contacts;
+mod many;
+mod sharing;
+mod waiting;
 
 use case::{Case, Outcome, case, device, joined, potential, run, start};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use supple::gpu::{GpuDevice, Waiting};
+use supple::gpu::GpuDevice;
 use supple::internal::random_avatar;
 use supple::model::{Avatar, State};
 use supple::potential::{CpuPotential, Evaluation, GpuOptions, Potential};
-use supple::wgpu;
 
 #[test]
 fn a_batch_gives_each_avatar_the_bits_of_a_lone_run() {
@@ -197,32 +198,4 @@ fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {
             "trials: {got} and {want}"
         );
     }
-}
-
-#[test]
-fn a_host_may_drive_the_device() {
-    let gpu = device();
-    let avatar = Arc::new(random_avatar(8, 3, 5, 40, 100));
-    let case = case(1, &avatar);
-    let blocking = run(
-        &mut potential(&gpu, &avatar, 1, GpuOptions::default()),
-        &[&case],
-    );
-    let options = GpuOptions {
-        waiting: Waiting::Host,
-        ..GpuOptions::default()
-    };
-    let mut waiting = potential(&gpu, &avatar, 1, options);
-    let done = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !done.load(Ordering::Relaxed) {
-                gpu.device.poll(wgpu::PollType::Poll).unwrap();
-                std::thread::yield_now();
-            }
-        });
-        let outcome = run(&mut waiting, &[&case]);
-        done.store(true, Ordering::Relaxed);
-        assert_eq!(outcome, blocking);
-    });
 }

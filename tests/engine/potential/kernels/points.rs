@@ -23,7 +23,7 @@ pub fn pose_blend(scene: &Scene) -> Outcome {
         (Phase::Posed, "posed_skin_unposed", &avatar.skin),
     ] {
         let features = set.pose_blend.features;
-        let feature: Vec<f32> = scene.items(phase, "pose_features", INSTANCE, features);
+        let feature: Vec<f32> = scene.pose_features(phase, features);
         let feature: Vec<f64> = feature.into_iter().map(f64::from).collect();
         let got = scene.rest(phase, name, set);
         let mut want = vec![DVec3::ZERO; set.len()];

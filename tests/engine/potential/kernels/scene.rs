@@ -16,7 +16,8 @@ use supple::internal::random_state;
 use supple::material::MaterialPoint;
 use supple::model::{Avatar, Frame, PointSet, State};
 use supple::potential::{
-    BlockPattern, Evaluation, GpuOptions, GpuPotential, Potential, StepStart, TissueFactors, Trial,
+    BlockPattern, Evaluation, GpuKernels, GpuOptions, GpuPotential, Potential, StepStart,
+    TissueFactors, Trial,
 };
 
 /// h: a power of two, so that its inverse is exact.
@@ -129,11 +130,19 @@ impl Scene {
         let options = GpuOptions {
             colliders: OPTIONS_COLLIDERS,
             contacts: OPTIONS_CONTACTS,
-            sources,
             ..GpuOptions::default()
         };
-        let mut potential =
-            GpuPotential::new(&gpu.device, &gpu.queue, avatar.clone(), INSTANCES, options)?;
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let sources = sources.unwrap_or_else(|| Sources::new(&avatar.material));
+        let kernels = pollster::block_on(GpuKernels::compile_sources(device, &sources, None))?;
+        let mut potential = GpuPotential::with_kernels(
+            device,
+            queue,
+            &kernels,
+            avatar.clone(),
+            INSTANCES,
+            options,
+        )?;
         let dofs = avatar.space().dofs();
         let first_handle = 6 * avatar.skeleton.len();
         let step = |random: &mut Random, size: f64| -> Vec<f64> {
@@ -187,7 +196,7 @@ impl Scene {
             potential.begin_step(&starts, &active).await?;
             potential.evaluate(&state, &active, &mut out).await?;
             scene.evaluation = out.swap_remove(INSTANCE);
-            scene.look(&potential, Phase::Evaluated).await?;
+            scene.look(&mut potential, Phase::Evaluated).await?;
             let compared = Trial {
                 instance: INSTANCE,
                 base: &state[INSTANCE],
@@ -196,9 +205,9 @@ impl Scene {
             potential
                 .energy_differences(&[compared], &mut [0.0])
                 .await?;
-            scene.look(&potential, Phase::Compared).await?;
+            scene.look(&mut potential, Phase::Compared).await?;
             potential.pose_skin(&state).await?;
-            scene.look(&potential, Phase::Posed).await
+            scene.look(&mut potential, Phase::Posed).await
         })?;
         let origin = current[INSTANCE].frames[0].position;
         scene.colliders = colliders[INSTANCE]
@@ -211,7 +220,7 @@ impl Scene {
         Ok(scene)
     }
 
-    async fn look(&mut self, potential: &GpuPotential, phase: Phase) -> Result<()> {
+    async fn look(&mut self, potential: &mut GpuPotential, phase: Phase) -> Result<()> {
         for (at, names) in LOOKED_AT {
             if *at == phase {
                 for name in *names {
@@ -248,6 +257,16 @@ impl Scene {
             .chunks_exact(size)
             .map(bytemuck::pod_read_unaligned)
             .collect()
+    }
+
+    /// The looked-at instance's pose features, `count` of them. The starts of a step are the last of a batch.
+    pub fn pose_features(&self, phase: Phase, count: usize) -> Vec<f32> {
+        let places = self.buffers[&(phase, "pose_features")].len() / (4 * count.max(1));
+        let index = match phase {
+            Phase::Evaluated => places - INSTANCES + INSTANCE,
+            Phase::Compared | Phase::Posed => INSTANCE,
+        };
+        self.items(phase, "pose_features", index, count)
     }
 
     /// Frames of the state in `slot`.

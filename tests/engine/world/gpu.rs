@@ -1,0 +1,216 @@
+//! Worlds on the GPU: in step with those on the CPU, one submission a question, the skin where it is drawn from.
+
+use super::limb;
+use supple::collider::Shape;
+use supple::glam::{DVec3, Vec3};
+use supple::gpu::{AdapterChoice, GpuDevice};
+use supple::model::{Frame, RigidBody, State, UpAxis};
+use supple::sim::{Settings, SolverMode};
+use supple::world::{Backend, BodyId, InstanceId};
+use supple::{Result, World, wgpu};
+
+/// The limbs' radius and half the box, m.
+const APART: f64 = 0.04 + 0.03;
+
+fn device() -> GpuDevice {
+    pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware)).expect(
+        "GPU tests need an adapter and never skip: install a Vulkan driver, \
+         for example the package mesa-vulkan-drivers",
+    )
+}
+
+fn on_gpu(gpu: &GpuDevice) -> Backend {
+    Backend::Gpu {
+        device: gpu.device.clone(),
+        queue: gpu.queue.clone(),
+    }
+}
+
+fn at(y: f64) -> Frame {
+    Frame {
+        position: DVec3::Y * y,
+        ..Frame::IDENTITY
+    }
+}
+
+/// Two limbs of different assets with a box between them, half a millimetre from each.
+fn box_between(backend: Backend) -> Result<(World, [InstanceId; 2], BodyId)> {
+    let mut world = World::new(backend)?.with_up(UpAxis::Z);
+    world.set_gravity(DVec3::ZERO);
+    let [a, b] = [world.add_avatar(limb(5, 8))?, world.add_avatar(limb(6, 10))?];
+    let apart = APART + 5e-4;
+    let limbs = [
+        world.add_instance_at(a, &at(-apart))?,
+        world.add_instance_at(b, &at(apart))?,
+    ];
+    let shape = Shape::Box {
+        half_extents: [0.04, 0.03, 0.02],
+    };
+    let body = world.add_body(RigidBody::new("box", shape, 500.0)?.at(Frame {
+        position: DVec3::X * 0.125,
+        ..Frame::IDENTITY
+    }))?;
+    Ok((world, limbs, body))
+}
+
+/// The longest way between joints and handles of two states, m.
+fn way(a: &State, b: &State) -> f64 {
+    let frames = a.frames.iter().zip(&b.frames);
+    let frames = frames.map(|(a, b)| a.position.distance(b.position));
+    let handles = a.handles.iter().zip(&b.handles);
+    let handles = handles.map(|(a, b)| a.distance(*b));
+    frames.chain(handles).fold(0.0, f64::max)
+}
+
+/// A gradient on the device is right to 1e-4 of its length (`potential::gpu` tests that), and so is a Newton step, of
+/// which here none is longer than 1 mm: 0.1 µm a step, so 2 µm in 20, and as much again for what contact makes of it.
+const BOUND: f64 = 4e-6;
+
+#[test]
+fn two_assets_and_a_body_are_in_step_with_the_cpu() -> Result<()> {
+    let gpu = device();
+    let (mut on_gpu, limbs, body) = box_between(on_gpu(&gpu))?;
+    let (mut on_cpu, same, _) = box_between(Backend::Cpu)?;
+    assert_eq!(limbs, same);
+    let mut worst = 0.0f64;
+    for step in 1..=20 {
+        for world in [&mut on_gpu, &mut on_cpu] {
+            for (limb, side) in limbs.into_iter().zip([-1.0, 1.0]) {
+                let frame = at(side * (APART + 5e-4 - 1.5e-4 * f64::from(step)));
+                world.instance_mut(limb)?.follow_frames(&[frame])?;
+            }
+            world.step_blocking(0.01)?;
+        }
+        for limb in limbs {
+            let (on_gpu, on_cpu) = (on_gpu.instance(limb)?, on_cpu.instance(limb)?);
+            worst = worst.max(way(on_gpu.state(), on_cpu.state()));
+            assert_eq!(on_gpu.report().iterations, on_cpu.report().iterations);
+        }
+        let places = [on_gpu.body_frame(body)?, on_cpu.body_frame(body)?];
+        worst = worst.max(places[0].position.distance(places[1].position));
+    }
+    for limb in limbs {
+        let [on_gpu, on_cpu] = [&on_gpu, &on_cpu].map(|w| w.instance(limb).unwrap().report());
+        assert!(on_cpu.contacts > 0, "nothing touched");
+        assert_eq!(on_gpu.contacts, on_cpu.contacts);
+        let error = (on_gpu.contact_force - on_cpu.contact_force).length();
+        assert!(error < 0.01 * on_cpu.contact_force.length(), "{error} N");
+    }
+    println!("{worst:e} m");
+    assert!(0.0 < worst && worst < BOUND, "{worst:e} m");
+    Ok(())
+}
+
+#[test]
+fn a_step_is_one_submission_and_one_readback_beside_the_skin() -> Result<()> {
+    let gpu = device();
+    let (mut world, limbs, _) = box_between(on_gpu(&gpu))?;
+    let traffic = |world: &mut World| -> Result<[u64; 2]> {
+        world.step_blocking(0.01)?;
+        let before = world.traffic();
+        for _ in 0..3 {
+            world.step_blocking(0.01)?;
+        }
+        let after = world.traffic();
+        for limb in limbs {
+            assert_eq!(world.instance(limb)?.report().iterations, 1);
+        }
+        Ok([0, 1].map(|k| after[k] - before[k]))
+    };
+    // Bones that are held are asked at the step's end what holds them.
+    assert_eq!(traffic(&mut world)?, [3 * 3, 3 * 2]);
+    for limb in limbs {
+        world.instance_mut(limb)?.ragdoll(0.0)?;
+    }
+    assert_eq!(traffic(&mut world)?, [3 * 2, 3]);
+    Ok(())
+}
+
+#[test]
+fn trials_that_go_in_turns_are_those_of_the_cpu() -> Result<()> {
+    let gpu = device();
+    let converged = Settings {
+        solver: SolverMode::Converged {
+            tolerance: 1e-6,
+            max_iterations: 20,
+        },
+        ..Settings::default()
+    };
+    let run = |backend: Backend| -> Result<(Vec<State>, [u64; 2])> {
+        let mut world = World::new(backend)?.with_settings(converged)?;
+        let mut keys = Vec::new();
+        for (avatar, count) in [(limb(4, 6), 12), (limb(5, 6), 1)] {
+            let avatar = world.add_avatar(avatar)?;
+            for _ in 0..count {
+                keys.push(world.add_instance_at(avatar, &at(keys.len() as f64))?);
+            }
+        }
+        world.step_blocking(0.01)?;
+        let before = world.traffic();
+        for (i, &key) in keys.iter().enumerate() {
+            let frame = at(i as f64 + 0.002 + 0.001 * i as f64);
+            world.instance_mut(key)?.follow_frames(&[frame])?;
+        }
+        world.step_blocking(0.01)?;
+        let after = world.traffic();
+        let states = keys.iter().map(|key| Ok(world.instance(*key)?.state().clone()));
+        let states = states.collect::<Result<_>>()?;
+        Ok((states, [0, 1].map(|k| after[k] - before[k])))
+    };
+    let (on_gpu, traffic) = run(on_gpu(&gpu))?;
+    let (on_cpu, none) = run(Backend::Cpu)?;
+    assert_eq!(none, [0, 0]);
+    // An evaluation, a trial of each in two turns (of 8 with their bases), and the step's end.
+    assert!(traffic[1] >= 4, "{traffic:?}");
+    let errors = on_gpu.iter().zip(&on_cpu).map(|(a, b)| way(a, b));
+    let worst = errors.fold(0.0, f64::max);
+    println!("{worst:e} m, {traffic:?}");
+    assert!(0.0 < worst && worst < BOUND, "{worst:e} m");
+    Ok(())
+}
+
+#[test]
+fn the_skin_is_where_it_is_drawn_from() -> Result<()> {
+    let gpu = device();
+    let (mut world, limbs, _) = box_between(on_gpu(&gpu))?;
+    world.step_blocking(0.01)?;
+    for limb in limbs {
+        let (mut positions, mut normals) = (Vec::new(), Vec::new());
+        world.read_skin_blocking(limb, &mut positions, &mut normals)?;
+        let skin = world.skin_buffer(limb)?.expect("on the GPU");
+        let size = skin.range.end - skin.range.start;
+        assert_eq!(size, 32 * positions.len() as u64);
+        let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(skin.buffer, skin.range.start, &copy, 0, size);
+        gpu.queue.submit([encoder.finish()]);
+        copy.map_async(wgpu::MapMode::Read, .., |mapped| mapped.unwrap());
+        gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        let bytes = copy.get_mapped_range(..).unwrap();
+        for (vertex, position) in bytes.chunks_exact(32).zip(&positions) {
+            let drawn: [f32; 3] = bytemuck::pod_read_unaligned(&vertex[..12]);
+            assert_eq!(skin.origin + Vec3::from_array(drawn).as_dvec3(), *position);
+        }
+    }
+    let (on_cpu, limbs, _) = box_between(Backend::Cpu)?;
+    assert!(on_cpu.skin_buffer(limbs[0])?.is_none());
+    Ok(())
+}
+
+fn is_send<T: Send>(_: T) {}
+
+#[test]
+fn a_step_may_go_to_another_thread() -> Result<()> {
+    let gpu = device();
+    let (mut world, limbs, _) = box_between(on_gpu(&gpu))?;
+    is_send(world.step(0.01));
+    let (mut positions, mut normals) = (Vec::new(), Vec::new());
+    is_send(world.read_skin(limbs[0], &mut positions, &mut normals));
+    is_send(World::open(Backend::Auto));
+    Ok(())
+}
