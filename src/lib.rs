@@ -4,6 +4,30 @@
 //! deforms, jiggles and pushes back on the skeleton when something does. The method is that of Tapia,
 //! Romero, Pérez and Otaduy, *Parametric Skeletons with Reduced Soft-Tissue Deformations* (2021).
 //!
+//! ```
+//! use supple::{World, world::Backend};
+//! # use supple::{file::{AvatarFile, Parts}, glam::Mat4};
+//! # fn main() -> supple::Result<()> {
+//! # let path = std::env::temp_dir().join(format!("front_page_{}.supple", std::process::id()));
+//! # let random = supple::internal::random_avatar(1, 3, 4, 20, 40);
+//! # let mut matrices: Vec<Mat4> = Vec::new();
+//! # random.joints.joint_matrices(&random.rest_state().frames, &mut matrices)?;
+//! # AvatarFile::new(random).write(Parts::All, &path)?;
+//! let mut world = World::new(Backend::Auto)?; // a GPU if there is one, else the CPU; y points up
+//! let hand = world.add_avatar(supple::file::read_avatar(&path)?)?; // once for all its instances
+//! let left = world.add_instance(hand)?; // stands as its file has it, and keeps its pose
+//! let (mut positions, mut normals) = (Vec::new(), Vec::new());
+//! for _frame in 0..3 {
+//!     // World matrices of the file's joints, which `avatar().joints` lists in this order.
+//!     world.instance_mut(left)?.follow_world(&matrices)?;
+//!     world.step_blocking(1.0 / 60.0)?; // or step(dt).await
+//!     world.read_skin_blocking(left, &mut positions, &mut normals)?; // or draw from skin_buffer(left)
+//! }
+//! # std::fs::remove_file(path).map_err(|e| supple::Error::io("front_page", e))?;
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Architecture
 //!
 //! **Constant and changing things are different types.** A [`model::Avatar`] is baked once, by the crate `supple-bake`,
@@ -14,6 +38,10 @@
 //! asks [`potential::Potential`] for a batch of energies, gradients and packed Hessians. Two implementations answer:
 //! [`potential::CpuPotential`] in f64, and `potential::GpuPotential` in WGSL on the host's own device. The bones' own
 //! energies ([`skeleton`]) are added in f64, and the small dense system is solved by faer.
+//!
+//! **A world is many simulations in one.** [`World`] holds avatars of any assets, rigid bodies and colliders; a body is an
+//! avatar of one bone. What touches a common body is one group, whose linear system is solved by eliminating its members in
+//! parallel; [`sim::Simulation`] is the layer below, for one asset and a potential of one's own.
 //!
 //! **The stages of an evaluation have one name everywhere**: `pose_blend`, `displacement`, `elasticity`, `contact`,
 //! `select`, `friction`, `compact`, `gradient`, `point_hessian`, `hessian`, `energy`, and for the posed skin `skin` and `normals`.

@@ -69,7 +69,10 @@ impl World {
         let up = UpAxis::Y;
         Ok(Self {
             opened: backend.open().await?,
-            settings: Settings::default(),
+            settings: Settings {
+                report_at_end: true,
+                ..Settings::default()
+            },
             up,
             gravity: -GRAVITY * up.direction(),
             avatars: SlotMap::with_key(),
