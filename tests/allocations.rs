@@ -3,11 +3,14 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use supple::Result;
+use supple::collider::{Collider, Shape};
+use supple::glam::{DMat3, DVec3};
 use supple::internal::math::in_pool;
-use supple::model::{Avatar, Frame};
+use supple::model::{Avatar, Frame, RigidBody, UpAxis};
 use supple::potential::CpuPotential;
 use supple::sim::{Pin, Simulation, StepReport};
+use supple::world::Backend;
+use supple::{Result, World};
 use supple_bake::bake;
 use supple_scene::{Driver, read_scene};
 
@@ -88,7 +91,8 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
     assert!(requests[0] > 0, "the allocator does not count");
     requests[PINNED] = 0;
     assert_eq!(requests[WARM_UP..], [0; STEPS - WARM_UP], "{requests:?}");
-    following_a_host_allocates_nothing(&avatar, &simulation.instances()[0].state.frames)
+    following_a_host_allocates_nothing(&avatar, &simulation.instances()[0].state.frames)?;
+    a_warm_step_of_a_world_allocates_nothing(avatar)
 }
 
 /// From frames to a host's matrices and back, by world and by skinning matrices, in vectors that have room.
@@ -105,5 +109,60 @@ fn following_a_host_allocates_nothing(avatar: &Avatar, posed: &[Frame]) -> Resul
         *count = REQUESTS.load(Ordering::Relaxed) - before;
     }
     assert!(requests[0] > 0 && requests[1] == 0, "{requests:?}");
+    Ok(())
+}
+
+/// Two fingers with a box squeezed between them, which shares a linear system with both; one follows a host's matrices.
+fn a_warm_step_of_a_world_allocates_nothing(avatar: Arc<Avatar>) -> Result<()> {
+    let top = avatar.skin.position.iter().copied();
+    let top = top.fold(DVec3::NEG_INFINITY, |a, b| if b.z > a.z { b } else { a });
+    let mut world = World::new(Backend::Cpu)?.with_up(UpAxis::Z);
+    world.set_gravity(DVec3::ZERO);
+    let key = world.add_avatar(avatar)?;
+    let half = 0.01;
+    let place = |turn: f64| {
+        let rotation = DMat3::from_rotation_x(turn);
+        let outward = rotation * DVec3::Z;
+        Frame {
+            rotation,
+            position: -(rotation * top) - (half - 0.001) * outward,
+        }
+    };
+    let fingers = [
+        world.add_instance_at(key, &place(0.0))?,
+        world.add_instance_at(key, &place(std::f64::consts::PI))?,
+    ];
+    let solid = Shape::Box {
+        half_extents: [half; 3],
+    };
+    world.add_body(RigidBody::new("box", solid, 500.0)?)?;
+    world.add_collider(Collider::new(
+        Shape::HalfSpace,
+        Frame {
+            position: -DVec3::Z,
+            ..Frame::IDENTITY
+        },
+    ))?;
+    let mut matrices = Vec::new();
+    world.instance(fingers[0])?.joint_matrices(&mut matrices)?;
+    let (mut requests, mut touched) = ([0; 60], 0);
+    in_pool(|| {
+        for (step, count) in requests.iter_mut().enumerate() {
+            let before = REQUESTS.load(Ordering::Relaxed);
+            world.instance_mut(fingers[0])?.follow_world(&matrices)?;
+            world.step_blocking(0.01)?;
+            *count = REQUESTS.load(Ordering::Relaxed) - before;
+            let contacts =
+                |&finger| Ok::<_, supple::Error>(world.instance(finger)?.report().contacts);
+            touched +=
+                usize::from(step > 40 && contacts(&fingers[0])? > 0 && contacts(&fingers[1])? > 0);
+        }
+        Ok::<_, supple::Error>(())
+    })?;
+    assert!(
+        requests[0] > 0 && touched > 10,
+        "{touched} steps with both in touch"
+    );
+    assert_eq!(requests[40..], [0; 20], "{requests:?}");
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! The instances of one asset in a world.
 
 use super::backend::{Evaluator, Opened, Room};
-use super::character::{Character, pose_stiffness, rigid};
+use super::character::{Character, rigid};
 use super::near::SkinBounds;
+use super::pose_springs::pose_stiffness;
 use crate::model::{Avatar, Frame, RigidBody};
 use crate::sim::{Physics, Settings, Solvers};
 use crate::skeleton::SkeletonModel;

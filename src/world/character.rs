@@ -2,8 +2,7 @@
 
 use crate::model::{Avatar, Frame, State};
 use crate::potential::TissueFactors;
-use crate::sim::{Instance, InstanceReport, Pin, Settings};
-use crate::skeleton::{Spring, Tracking};
+use crate::sim::{Instance, InstanceReport, Settings};
 use crate::{Error, Result};
 use glam::{DVec3, Mat4};
 use serde::{Deserialize, Serialize};
@@ -32,14 +31,14 @@ pub enum Driving {
 pub struct Character {
     pub(super) avatar: Arc<Avatar>,
     pub(super) instance: Instance,
-    driving: Driving,
+    pub(super) driving: Driving,
     /// Stiffness of each joint's spring that holds the bind pose, N·m/rad.
-    pose_stiffness: Arc<[f64]>,
+    pub(super) pose_stiffness: Arc<[f64]>,
     /// Where the asset's own space is in the world.
     placement: Frame,
     pub(super) report: InstanceReport,
     /// Memory of frames that are being checked.
-    frames: Vec<Frame>,
+    pub(super) frames: Vec<Frame>,
     /// Whether the host has it take part.
     pub(super) awake: bool,
 }
@@ -123,117 +122,8 @@ impl Character {
         &mut self.instance
     }
 
-    fn bones(&self) -> usize {
+    pub(super) fn bones(&self) -> usize {
         self.avatar.bones()
-    }
-
-    /// All bones follow the world matrices of the avatar's joints, as the host's animation has them at the end of the
-    /// next step: one for each entry of [`Avatar::joints`], in its order.
-    ///
-    /// # Errors
-    /// A wrong count; a matrix that is not finite, scales by more than 1e-3, shears or mirrors.
-    pub fn follow_world(&mut self, joints: &[Mat4]) -> Result<()> {
-        let mut frames = std::mem::take(&mut self.frames);
-        let avatar = &self.avatar;
-        let read = avatar
-            .joints
-            .frames_from_world(&avatar.skeleton, joints, &mut frames);
-        let followed = read.and_then(|()| self.follow_frames(&frames));
-        self.frames = frames;
-        followed
-    }
-
-    /// [`Character::follow_world`] with the skinning matrices of a skin of the avatar's file: those that the host's
-    /// shader multiplies the skin's vertices by.
-    ///
-    /// # Errors
-    /// As [`Character::follow_world`], and of a skin that is not there.
-    pub fn follow_skinning(&mut self, skin: usize, matrices: &[Mat4]) -> Result<()> {
-        let mut frames = std::mem::take(&mut self.frames);
-        let avatar = &self.avatar;
-        let joints = &avatar.joints;
-        let read = joints.frames_from_skinning(&avatar.skeleton, skin, matrices, &mut frames);
-        let followed = read.and_then(|()| self.follow_frames(&frames));
-        self.frames = frames;
-        followed
-    }
-
-    /// All bones follow `frames`, one for each of [`Character::frames`], exactly.
-    ///
-    /// # Errors
-    /// A wrong count, or a frame that is not rigid.
-    pub fn follow_frames(&mut self, frames: &[Frame]) -> Result<()> {
-        self.check(frames)?;
-        let instance = &mut self.instance;
-        instance.targets.clear();
-        instance.pins.clear();
-        let pins = frames.iter().enumerate();
-        (instance.pins).extend(pins.map(|(bone, &frame)| Pin { bone, frame }));
-        self.driving = Driving::Followed;
-        Ok(())
-    }
-
-    /// Springs draw all bones to `frames`, one for each of [`Character::frames`]; so the bones give way to what they
-    /// meet. `rotation` in N·m/rad and N·m·s, `position` in N/m and N·s/m.
-    ///
-    /// # Errors
-    /// A wrong count, or a frame that is not rigid.
-    pub fn draw_to_frames(
-        &mut self,
-        frames: &[Frame],
-        rotation: Spring,
-        position: Spring,
-    ) -> Result<()> {
-        self.check(frames)?;
-        let again = self.driving == Driving::Drawn;
-        let instance = &mut self.instance;
-        instance.pins.clear();
-        if !again {
-            let current = &instance.state.frames;
-            instance.targets.clear();
-            let target = |(bone, &frame): (usize, &Frame)| Tracking::new(bone, frame);
-            (instance.targets).extend(current[..frames.len()].iter().enumerate().map(target));
-        }
-        for (target, &frame) in instance.targets.iter_mut().zip(frames) {
-            target.frame = frame;
-            (target.rotation, target.position) = (Some(rotation), Some(position));
-        }
-        self.driving = Driving::Drawn;
-        Ok(())
-    }
-
-    /// The root is held where it was put, and springs keep the bind pose: so a character stands of which nothing else is
-    /// said. Each joint's spring gives way to the weight that hangs on it by a degree at most.
-    pub fn hold(&mut self) {
-        let root = self.rest_frame(0);
-        let instance = &mut self.instance;
-        instance.targets.clear();
-        instance.pins.clear();
-        (instance.pins).push(Pin {
-            bone: 0,
-            frame: root,
-        });
-        let bending = instance.bending.iter_mut().zip(&*self.pose_stiffness);
-        bending.for_each(|(bending, &stiffness)| bending.stiffness = stiffness);
-        self.driving = Driving::Held;
-    }
-
-    /// Nothing drives it: it falls. Joints keep their ranges, and bend against springs of `bending_stiffness`, N·m/rad.
-    ///
-    /// # Errors
-    /// A stiffness that is neither 0 nor positive.
-    pub fn ragdoll(&mut self, bending_stiffness: f64) -> Result<()> {
-        if !(bending_stiffness >= 0.0 && bending_stiffness.is_finite()) {
-            let problem =
-                format!("{bending_stiffness} is neither 0 nor a positive number of N·m/rad");
-            return Err(Error::invalid("bending_stiffness", problem));
-        }
-        let instance = &mut self.instance;
-        instance.targets.clear();
-        instance.pins.clear();
-        (instance.bending.iter_mut()).for_each(|bending| bending.stiffness = bending_stiffness);
-        self.driving = Driving::Ragdoll;
-        Ok(())
     }
 
     /// Moves it, with all that drives it, so that its asset's own space stands at `placement`: nothing of that is felt.
@@ -313,7 +203,7 @@ impl Character {
     }
 
     /// Where the driver wants bone `j` of the bind pose.
-    fn rest_frame(&self, bone: usize) -> Frame {
+    pub(super) fn rest_frame(&self, bone: usize) -> Frame {
         let joint = self.avatar.skeleton.joints[bone];
         Frame {
             rotation: self.placement.rotation,
@@ -394,7 +284,7 @@ impl Character {
     }
 
     /// Errors of frames that cannot be followed.
-    fn check(&self, frames: &[Frame]) -> Result<()> {
+    pub(super) fn check(&self, frames: &[Frame]) -> Result<()> {
         let names = &self.avatar.skeleton.names;
         if frames.len() != self.bones() {
             let problem = format!("{} given for {} bones", frames.len(), self.bones());
@@ -419,41 +309,4 @@ pub(super) fn rigid(field: &str, frame: &Frame) -> Result<()> {
     }
     let problem = format!("{frame:?} is not finite, or its rotation is none");
     Err(Error::invalid(field, problem))
-}
-
-/// Stiffness of the springs that keep each joint as it is bound, N·m/rad: the weight of what hangs on it, on the longest
-/// lever that it has, turns it by [`SAG`] at most. What hangs on a joint is its own bone's matter and its descendants'.
-pub(super) fn pose_stiffness(avatar: &Avatar) -> Arc<[f64]> {
-    /// rad.
-    const SAG: f64 = 0.01;
-    const GRAVITY: f64 = 9.81;
-    let (skeleton, bones) = (&avatar.skeleton, avatar.bones());
-    // Mass and first moment about the file's origin.
-    let mut matter = vec![(0.0, DVec3::ZERO); skeleton.len()];
-    for (j, mass) in avatar.bone_masses.iter().enumerate() {
-        let (total, first) = mass.moments();
-        matter[j] = (total, first + total * skeleton.joints[j]);
-    }
-    let cubature = &avatar.cubature;
-    for i in 0..cubature.len() {
-        for weight in cubature.skinning.row(i) {
-            let mass = avatar.density * cubature.measure[i] * weight.weight;
-            let (total, first) = &mut matter[weight.bone as usize];
-            *total += mass;
-            *first += mass * cubature.position[i];
-        }
-    }
-    for j in (0..bones).rev() {
-        if let Some(parent) = skeleton.parents[j] {
-            let (mass, first) = matter[j];
-            let (total, of_all) = &mut matter[parent as usize];
-            *total += mass;
-            *of_all += first;
-        }
-    }
-    let stiffness = |(&(mass, first), joint): (&(f64, DVec3), &DVec3)| {
-        let lever = (first - mass * *joint).length();
-        lever * GRAVITY / SAG
-    };
-    matter.iter().zip(&skeleton.joints).map(stiffness).collect()
 }

@@ -4,15 +4,13 @@ use super::backend::{Backend, Evaluator, Opened, Room, gone};
 use super::batch::Batch;
 use super::character::{Character, rigid};
 use super::evaluators::Evaluators;
-#[cfg(feature = "gpu")]
-use super::gpu::SkinBuffer;
 use super::keys::{AvatarId, BodyId, ColliderId, InstanceId};
 use super::meetings::Meetings;
 use crate::Result;
 use crate::collider::Collider;
 use crate::material::Material;
 use crate::model::{Avatar, Frame, RigidBody, UpAxis};
-use crate::sim::{Instance, InstanceReport, Physics, Settings, Stepper, Timings};
+use crate::sim::{Instance, Physics, Settings, Stepper, Timings};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use slotmap::SlotMap;
@@ -233,181 +231,13 @@ impl World {
         found.ok_or_else(|| gone("instance"))
     }
 
-    /// A collider that all avatars and bodies meet. Its motion is the host's: write its `frame` between steps.
-    ///
-    /// # Errors
-    /// A collider that is not sound, or fixed to a frame.
-    pub fn add_collider(&mut self, collider: Collider) -> Result<ColliderId> {
-        collider.validate().map_err(|e| e.within("collider"))?;
-        if collider.body.is_some() {
-            let problem = "is fixed to a frame of an avatar; add a rigid body instead";
-            return Err(crate::Error::invalid("collider.body", problem));
-        }
-        Ok(self.colliders.insert(collider))
-    }
-
-    /// A collider.
-    ///
-    /// # Errors
-    /// A key of none.
-    pub fn collider_mut(&mut self, collider: ColliderId) -> Result<&mut Collider> {
-        self.colliders
-            .get_mut(collider)
-            .ok_or_else(|| gone("collider"))
-    }
-
-    /// The ground, at height zero: a half-space below the world's up, with friction.
-    ///
-    /// # Errors
-    /// None: it is sound.
-    pub fn add_ground(&mut self) -> Result<ColliderId> {
-        let mut ground = Collider::ground(self.up);
-        ground.friction = 0.5;
-        self.add_collider(ground)
-    }
-
-    /// Takes a collider out.
-    ///
-    /// # Errors
-    /// A key of none.
-    pub fn remove_collider(&mut self, collider: ColliderId) -> Result<Collider> {
-        self.colliders
-            .remove(collider)
-            .ok_or_else(|| gone("collider"))
-    }
-
-    /// A rigid body, which falls, rests on colliders, is pushed by all avatars that touch it and pushes back.
-    ///
-    /// # Errors
-    /// A body that is not sound.
-    pub fn add_body(&mut self, body: RigidBody) -> Result<BodyId> {
-        let (batch, evaluator) =
-            Batch::of_body(&mut self.opened, &body, self.settings, self.gravity)?;
-        let asset = self.push(batch, evaluator);
-        Ok(self.bodies.insert(Body {
-            collider: body.collider(0),
-            rigid: body,
-            asset,
-        }))
-    }
-
-    /// Takes a body out.
-    ///
-    /// # Errors
-    /// A key of none.
-    pub fn remove_body(&mut self, body: BodyId) -> Result<()> {
-        let removed = self.bodies.remove(body).ok_or_else(|| gone("body"))?;
-        self.remove_asset(removed.asset);
-        Ok(())
-    }
-
-    /// Where a body is.
-    ///
-    /// # Errors
-    /// A key of none.
-    pub fn body_frame(&self, body: BodyId) -> Result<Frame> {
-        Ok(self.body(body)?.instance.state.frames[0])
-    }
-
-    /// Where a body was before the last step, and where it is.
-    ///
-    /// # Errors
-    /// A key of none.
-    pub fn body_motion(&self, body: BodyId) -> Result<(Frame, Frame)> {
-        let instance = &self.body(body)?.instance;
-        Ok((instance.previous.frames[0], instance.state.frames[0]))
-    }
-
-    /// What the last step said of a body.
-    ///
-    /// # Errors
-    /// A key of none.
-    pub fn body_report(&self, body: BodyId) -> Result<&InstanceReport> {
-        Ok(&self.body(body)?.report)
-    }
-
-    /// Puts a body at `frame`, with the velocity of its origin (m/s) and an angular velocity (rad/s).
-    ///
-    /// # Errors
-    /// A key of none, a frame that is not rigid, or velocities that are not finite.
-    pub fn set_body_motion(
-        &mut self,
-        body: BodyId,
-        frame: &Frame,
-        velocity: DVec3,
-        angular_velocity: DVec3,
-    ) -> Result<()> {
-        rigid("frame", frame)?;
-        if !(velocity.is_finite() && angular_velocity.is_finite()) {
-            return Err(crate::Error::invalid("velocity", "is not finite"));
-        }
-        let time_step = self.settings.time_step;
-        let asset = self.bodies.get(body).ok_or_else(|| gone("body"))?.asset;
-        let instance = &mut self.batches[asset].characters[0].instance;
-        instance.set_motion(0, *frame, velocity, angular_velocity, time_step);
-        Ok(())
-    }
-
-    fn body(&self, body: BodyId) -> Result<&Character> {
-        let asset = self.bodies.get(body).ok_or_else(|| gone("body"))?.asset;
-        Ok(&self.batches[asset].characters[0])
-    }
-
-    /// The posed skin of an instance: positions (m, world) and normals, copied out.
-    ///
-    /// # Errors
-    /// A key of none; a lost device.
-    pub async fn read_skin(
-        &mut self,
-        instance: InstanceId,
-        positions: &mut Vec<DVec3>,
-        normals: &mut Vec<DVec3>,
-    ) -> Result<()> {
-        let (asset, place) = self.find(instance)?;
-        let evaluator = self.evaluators.get_mut(asset);
-        evaluator.read_skin(place, positions, normals).await
-    }
-
-    /// Where the posed skin of an instance is on the device, to be drawn from by what the host submits after a step; none
-    /// where the world is on the CPU. It holds what the last step left: nothing before the first one after the instance's
-    /// asset has got more room.
-    ///
-    /// # Errors
-    /// A key of none.
-    #[cfg(feature = "gpu")]
-    pub fn skin_buffer(&self, instance: InstanceId) -> Result<Option<SkinBuffer<'_>>> {
-        let (asset, place) = self.find(instance)?;
-        Ok(self.evaluators.get(asset).skin_buffer(place))
-    }
-
-    /// Submissions and readbacks since the world's buffers were made, for tests.
-    #[cfg(feature = "gpu")]
-    #[doc(hidden)]
-    pub fn traffic(&self) -> [u64; 2] {
-        self.evaluators.traffic()
-    }
-
-    /// [`World::read_skin`] on this thread until it is done.
-    ///
-    /// # Errors
-    /// As [`World::read_skin`].
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn read_skin_blocking(
-        &mut self,
-        instance: InstanceId,
-        positions: &mut Vec<DVec3>,
-        normals: &mut Vec<DVec3>,
-    ) -> Result<()> {
-        pollster::block_on(self.read_skin(instance, positions, normals))
-    }
-
     /// Of the last step, s.
     pub(super) fn time_step(&self) -> f64 {
         self.settings.time_step
     }
 
     /// Appends an asset: avatars stand before bodies.
-    fn push(&mut self, batch: Batch, evaluator: Evaluator) -> usize {
+    pub(super) fn push(&mut self, batch: Batch, evaluator: Evaluator) -> usize {
         let asset = match batch.is_body {
             true => self.batches.len(),
             false => self.batches.iter().filter(|b| !b.is_body).count(),

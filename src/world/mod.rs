@@ -8,24 +8,33 @@
 //! | `backend` | where the tissue is evaluated, and what evaluates one asset |
 //! | `gpu` | what the evaluators on a GPU share |
 //! | `evaluators` | all assets as a step sees them |
-//! | `character` | one avatar in the world, and what drives it |
+//! | `character` | one avatar in the world |
+//! | `driving` | what drives it |
+//! | `pose_springs` | what keeps its bind pose where nothing does |
 //! | `batch` | the instances of one asset |
 //! | `near` | what an avatar may touch |
-//! | `contents` | what comes and goes |
+//! | `contents` | the world, its avatars and their instances |
+//! | `colliders`, `bodies` | what all avatars meet |
+//! | `skins` | the posed skins, for who draws them |
 //! | `meetings` | who touches what in a step |
 //! | `step` | a step |
 //! | `snapshot` | all that moves, as bytes and back |
 
 mod backend;
 mod batch;
+mod bodies;
 mod character;
+mod colliders;
 mod contents;
+mod driving;
 mod evaluators;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod keys;
 mod meetings;
 mod near;
+mod pose_springs;
+mod skins;
 mod snapshot;
 mod step;
 

@@ -89,6 +89,14 @@ impl SkinBounds {
         let touches = |(c, r): (DVec3, f64)| c.distance(centre) <= r + radius + margin;
         self.spheres(parents, state).any(touches)
     }
+
+    /// Lowest and highest corner of a box that holds the skin, m; low above high where there is none.
+    pub fn corners(&self, parents: &[Option<u32>], state: &State) -> [DVec3; 2] {
+        let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        (self.spheres(parents, state)).fold(none, |[low, high], (c, r)| {
+            [low.min(c - DVec3::splat(r)), high.max(c + DVec3::splat(r))]
+        })
+    }
 }
 
 /// A ball around a collider where it stands; none where it is without bounds.

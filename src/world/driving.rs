@@ -1,0 +1,119 @@
+//! What drives a character: its host's bones, springs, its bind pose, or nothing.
+
+use super::character::{Character, Driving};
+use crate::model::Frame;
+use crate::sim::Pin;
+use crate::skeleton::{Spring, Tracking};
+use crate::{Error, Result};
+use glam::Mat4;
+
+impl Character {
+    /// All bones follow the world matrices of the avatar's joints, as the host's animation has them at the end of the
+    /// next step: one for each entry of [`Avatar::joints`], in its order.
+    ///
+    /// # Errors
+    /// A wrong count; a matrix that is not finite, scales by more than 1e-3, shears or mirrors.
+    pub fn follow_world(&mut self, joints: &[Mat4]) -> Result<()> {
+        let mut frames = std::mem::take(&mut self.frames);
+        let avatar = &self.avatar;
+        let read = avatar
+            .joints
+            .frames_from_world(&avatar.skeleton, joints, &mut frames);
+        let followed = read.and_then(|()| self.follow_frames(&frames));
+        self.frames = frames;
+        followed
+    }
+
+    /// [`Character::follow_world`] with the skinning matrices of a skin of the avatar's file: those that the host's
+    /// shader multiplies the skin's vertices by.
+    ///
+    /// # Errors
+    /// As [`Character::follow_world`], and of a skin that is not there.
+    pub fn follow_skinning(&mut self, skin: usize, matrices: &[Mat4]) -> Result<()> {
+        let mut frames = std::mem::take(&mut self.frames);
+        let avatar = &self.avatar;
+        let joints = &avatar.joints;
+        let read = joints.frames_from_skinning(&avatar.skeleton, skin, matrices, &mut frames);
+        let followed = read.and_then(|()| self.follow_frames(&frames));
+        self.frames = frames;
+        followed
+    }
+
+    /// All bones follow `frames`, one for each of [`Character::frames`], exactly.
+    ///
+    /// # Errors
+    /// A wrong count, or a frame that is not rigid.
+    pub fn follow_frames(&mut self, frames: &[Frame]) -> Result<()> {
+        self.check(frames)?;
+        let instance = &mut self.instance;
+        instance.targets.clear();
+        instance.pins.clear();
+        let pins = frames.iter().enumerate();
+        (instance.pins).extend(pins.map(|(bone, &frame)| Pin { bone, frame }));
+        self.driving = Driving::Followed;
+        Ok(())
+    }
+
+    /// Springs draw all bones to `frames`, one for each of [`Character::frames`]; so the bones give way to what they
+    /// meet. `rotation` in N·m/rad and N·m·s, `position` in N/m and N·s/m.
+    ///
+    /// # Errors
+    /// A wrong count, or a frame that is not rigid.
+    pub fn draw_to_frames(
+        &mut self,
+        frames: &[Frame],
+        rotation: Spring,
+        position: Spring,
+    ) -> Result<()> {
+        self.check(frames)?;
+        let again = self.driving == Driving::Drawn;
+        let instance = &mut self.instance;
+        instance.pins.clear();
+        if !again {
+            let current = &instance.state.frames;
+            instance.targets.clear();
+            let target = |(bone, &frame): (usize, &Frame)| Tracking::new(bone, frame);
+            (instance.targets).extend(current[..frames.len()].iter().enumerate().map(target));
+        }
+        for (target, &frame) in instance.targets.iter_mut().zip(frames) {
+            target.frame = frame;
+            (target.rotation, target.position) = (Some(rotation), Some(position));
+        }
+        self.driving = Driving::Drawn;
+        Ok(())
+    }
+
+    /// The root is held where it was put, and springs keep the bind pose: so a character stands of which nothing else is
+    /// said. Each joint's spring gives way to the weight that hangs on it by a degree at most.
+    pub fn hold(&mut self) {
+        let root = self.rest_frame(0);
+        let instance = &mut self.instance;
+        instance.targets.clear();
+        instance.pins.clear();
+        (instance.pins).push(Pin {
+            bone: 0,
+            frame: root,
+        });
+        let bending = instance.bending.iter_mut().zip(&*self.pose_stiffness);
+        bending.for_each(|(bending, &stiffness)| bending.stiffness = stiffness);
+        self.driving = Driving::Held;
+    }
+
+    /// Nothing drives it: it falls. Joints keep their ranges, and bend against springs of `bending_stiffness`, N·m/rad.
+    ///
+    /// # Errors
+    /// A stiffness that is neither 0 nor positive.
+    pub fn ragdoll(&mut self, bending_stiffness: f64) -> Result<()> {
+        if !(bending_stiffness >= 0.0 && bending_stiffness.is_finite()) {
+            let problem =
+                format!("{bending_stiffness} is neither 0 nor a positive number of N·m/rad");
+            return Err(Error::invalid("bending_stiffness", problem));
+        }
+        let instance = &mut self.instance;
+        instance.targets.clear();
+        instance.pins.clear();
+        (instance.bending.iter_mut()).for_each(|bending| bending.stiffness = bending_stiffness);
+        self.driving = Driving::Ragdoll;
+        Ok(())
+    }
+}

@@ -1,0 +1,70 @@
+//! The posed skins of a world, for who draws them.
+
+use super::contents::World;
+#[cfg(feature = "gpu")]
+use super::gpu::SkinBuffer;
+use super::keys::InstanceId;
+use crate::Result;
+use glam::DVec3;
+
+impl World {
+    /// The posed skin of an instance: positions (m, world) and normals, copied out.
+    ///
+    /// # Errors
+    /// A key of none; a lost device.
+    pub async fn read_skin(
+        &mut self,
+        instance: InstanceId,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        let (asset, place) = self.find(instance)?;
+        let evaluator = self.evaluators.get_mut(asset);
+        evaluator.read_skin(place, positions, normals).await
+    }
+
+    /// Where the posed skin of an instance is on the device, to be drawn from by what the host submits after a step; none
+    /// where the world is on the CPU. It holds what the last step left: nothing before the first one after the instance's
+    /// asset has got more room.
+    ///
+    /// # Errors
+    /// A key of none.
+    #[cfg(feature = "gpu")]
+    pub fn skin_buffer(&self, instance: InstanceId) -> Result<Option<SkinBuffer<'_>>> {
+        let (asset, place) = self.find(instance)?;
+        Ok(self.evaluators.get(asset).skin_buffer(place))
+    }
+
+    /// Submissions and readbacks since the world's buffers were made, for tests.
+    #[cfg(feature = "gpu")]
+    #[doc(hidden)]
+    pub fn traffic(&self) -> [u64; 2] {
+        self.evaluators.traffic()
+    }
+
+    /// [`World::read_skin`] on this thread until it is done.
+    ///
+    /// # Errors
+    /// As [`World::read_skin`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_skin_blocking(
+        &mut self,
+        instance: InstanceId,
+        positions: &mut Vec<DVec3>,
+        normals: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        pollster::block_on(self.read_skin(instance, positions, normals))
+    }
+
+    /// A box that holds the skin of an instance, for culling: lowest and highest corner, m, in the world. It is made from
+    /// the bones and the longest displacement alone, so it is larger than the skin's own.
+    ///
+    /// # Errors
+    /// A key of none.
+    pub fn skin_bounds(&self, instance: InstanceId) -> Result<[DVec3; 2]> {
+        let (asset, place) = self.find(instance)?;
+        let batch = &self.batches[asset];
+        let state = batch.characters[place].state();
+        Ok(batch.bounds.corners(&batch.avatar.skeleton.parents, state))
+    }
+}
