@@ -15,7 +15,9 @@ use supple_samples::Sample;
 use supple_scene::AvatarSource;
 
 fn main() -> Result<()> {
-    let path = std::env::args().nth(1).unwrap_or("out/box_between.png".into());
+    let path = std::env::args()
+        .nth(1)
+        .unwrap_or("out/box_between.png".into());
     let bake = |sample| -> Result<_> {
         let (body, recipe) = AvatarSource::of_sample(sample).body()?;
         Ok(supple_bake::bake(&body, &recipe, &mut |_| {})?.0)
@@ -74,9 +76,16 @@ fn main() -> Result<()> {
             let force = |key| -> Result<f64> { Ok(world.instance(key)?.report().contact_force.y) };
             let caption = format!("{:.2} N, {:.2} N", force(keys[0])?, force(keys[1])?);
             let at = world.body_frame(body)?;
-            pictures.push((caption, picture::draw(&mut world, &keys, &[(&collider, at)], look)?));
+            pictures.push((
+                caption,
+                picture::draw(&mut world, &keys, &[(&collider, at)], look)?,
+            ));
         }
     }
-    println!("on {}, {:.2} ms a step", world.backend(), world.timings().step);
+    println!(
+        "on {}, {:.2} ms a step",
+        world.backend(),
+        world.timings().step
+    );
     picture::write(pictures, Path::new(&path))
 }

@@ -63,6 +63,10 @@ fn main() -> Result<()> {
             pictures.push((format!("{time:.1} s, {force:.1} N"), image));
         }
     }
-    println!("on {}, {:.2} ms a step", world.backend(), world.timings().step);
+    println!(
+        "on {}, {:.2} ms a step",
+        world.backend(),
+        world.timings().step
+    );
     picture::write(pictures, Path::new(&path))
 }

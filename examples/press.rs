@@ -62,6 +62,10 @@ fn main() -> Result<()> {
             pictures.push((format!("{force:.1} N"), image));
         }
     }
-    println!("on {}, {:.2} ms a step", world.backend(), world.timings().step);
+    println!(
+        "on {}, {:.2} ms a step",
+        world.backend(),
+        world.timings().step
+    );
     picture::write(pictures, Path::new(&path))
 }

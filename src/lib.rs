@@ -60,10 +60,10 @@ pub mod world;
 
 pub use error::{Error, GpuError, Result};
 pub use field_path::FieldPath;
-pub use world::World;
 pub use glam;
 #[cfg(feature = "gpu")]
 pub use wgpu;
+pub use world::World;
 
 /// The README's example compiles.
 #[cfg(all(doctest, feature = "gpu"))]

@@ -68,7 +68,12 @@ impl TryFrom<StoredGrid> for DistanceGrid {
             && stored.spacing.is_finite()
             && stored.spacing.min_element() > 0.0
             && stored.surface.positions.iter().all(|p| p.is_finite())
-            && stored.surface.triangles.iter().flatten().all(|&v| v < count);
+            && stored
+                .surface
+                .triangles
+                .iter()
+                .flatten()
+                .all(|&v| v < count);
         if !sound {
             return Err(Error::invalid("mesh", "is not a grid of distances"));
         }

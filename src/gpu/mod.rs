@@ -22,8 +22,8 @@ pub(crate) use layout::{HostShareable, SharedValue, StructLayout};
 pub(crate) use listener::Listener;
 pub(crate) use module::Module;
 pub(crate) use pipeline::{Pipeline, Shader};
-pub(crate) use readback::{Bytes, Patience};
 pub use readback::Waiting;
+pub(crate) use readback::{Bytes, Patience};
 pub(crate) use submission::Submission;
 
 pub(crate) use buffer_list::buffers;

@@ -53,7 +53,12 @@ impl<P: Potential> Simulation<P> {
         let starts: Vec<_> = resting
             .iter()
             .map(|instance| {
-                tissue_start(&physics.settings, physics.captured_under_gravity, instance, &[])
+                tissue_start(
+                    &physics.settings,
+                    physics.captured_under_gravity,
+                    instance,
+                    &[],
+                )
             })
             .collect();
         let states: Vec<_> = self.instances.iter().map(|i| i.state.clone()).collect();

@@ -167,9 +167,7 @@ impl Stepper {
         let Some(mode) = mode else {
             return Ok(());
         };
-        newton
-            .minimise(members, mode, timings, observer)
-            .await?;
+        newton.minimise(members, mode, timings, observer).await?;
         for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
             if *active && !state.is_finite() {
                 return Err(Error::NotFinite { quantity: "state" });
@@ -199,7 +197,12 @@ impl Stepper {
         par_members(range.len(), parts, |i, (minimisation, instance)| {
             let member = range.start + i;
             if active[member] {
-                commit(minimisation, &states[member], physics, instance.borrow_mut());
+                commit(
+                    minimisation,
+                    &states[member],
+                    physics,
+                    instance.borrow_mut(),
+                );
             }
         });
     }

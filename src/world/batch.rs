@@ -120,7 +120,8 @@ impl Batch {
         self.room = room;
         let missing = room.instances.saturating_sub(self.characters.len());
         for _ in 0..missing {
-            self.characters.push(self.character(DVec3::ZERO, &Frame::IDENTITY));
+            self.characters
+                .push(self.character(DVec3::ZERO, &Frame::IDENTITY));
             self.used.push(false);
         }
         Ok(Some(evaluator))
@@ -129,7 +130,13 @@ impl Batch {
     /// An instance at rest.
     pub fn character(&self, gravity: DVec3, placement: &Frame) -> Character {
         let settings = &self.physics.settings;
-        Character::new(&self.avatar, settings, gravity, &self.pose_stiffness, placement)
+        Character::new(
+            &self.avatar,
+            settings,
+            gravity,
+            &self.pose_stiffness,
+            placement,
+        )
     }
 
     /// The first place that no instance has.

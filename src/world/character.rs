@@ -135,7 +135,9 @@ impl Character {
     pub fn follow_world(&mut self, joints: &[Mat4]) -> Result<()> {
         let mut frames = std::mem::take(&mut self.frames);
         let avatar = &self.avatar;
-        let read = avatar.joints.frames_from_world(&avatar.skeleton, joints, &mut frames);
+        let read = avatar
+            .joints
+            .frames_from_world(&avatar.skeleton, joints, &mut frames);
         let followed = read.and_then(|()| self.follow_frames(&frames));
         self.frames = frames;
         followed
@@ -222,7 +224,8 @@ impl Character {
     /// A stiffness that is neither 0 nor positive.
     pub fn ragdoll(&mut self, bending_stiffness: f64) -> Result<()> {
         if !(bending_stiffness >= 0.0 && bending_stiffness.is_finite()) {
-            let problem = format!("{bending_stiffness} is neither 0 nor a positive number of N·m/rad");
+            let problem =
+                format!("{bending_stiffness} is neither 0 nor a positive number of N·m/rad");
             return Err(Error::invalid("bending_stiffness", problem));
         }
         let instance = &mut self.instance;
@@ -247,7 +250,8 @@ impl Character {
         let motion = placement.compose(&back);
         let bones = self.bones();
         let instance = &mut self.instance;
-        let move_frame = |frame: &mut Frame| *frame = motion.compose(frame).moved(DVec3::ZERO, DVec3::ZERO);
+        let move_frame =
+            |frame: &mut Frame| *frame = motion.compose(frame).moved(DVec3::ZERO, DVec3::ZERO);
         for state in [&mut instance.state, &mut instance.previous] {
             state.frames[..bones].iter_mut().for_each(move_frame);
         }
@@ -277,7 +281,10 @@ impl Character {
     pub fn wake(&mut self) {
         if !self.awake {
             let instance = &mut self.instance;
-            instance.previous.handles.clone_from(&instance.state.handles);
+            instance
+                .previous
+                .handles
+                .clone_from(&instance.state.handles);
         }
         self.awake = true;
     }

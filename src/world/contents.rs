@@ -8,11 +8,11 @@ use super::evaluators::Evaluators;
 use super::gpu::SkinBuffer;
 use super::keys::{AvatarId, BodyId, ColliderId, InstanceId};
 use super::meetings::Meetings;
+use crate::Result;
 use crate::collider::Collider;
 use crate::material::Material;
 use crate::model::{Avatar, Frame, RigidBody, UpAxis};
 use crate::sim::{Instance, InstanceReport, Physics, Settings, Stepper, Timings};
-use crate::Result;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use slotmap::SlotMap;
@@ -248,7 +248,9 @@ impl World {
     /// # Errors
     /// A key of none.
     pub fn collider_mut(&mut self, collider: ColliderId) -> Result<&mut Collider> {
-        self.colliders.get_mut(collider).ok_or_else(|| gone("collider"))
+        self.colliders
+            .get_mut(collider)
+            .ok_or_else(|| gone("collider"))
     }
 
     /// The ground, at height zero: a half-space below the world's up, with friction.
@@ -266,7 +268,9 @@ impl World {
     /// # Errors
     /// A key of none.
     pub fn remove_collider(&mut self, collider: ColliderId) -> Result<Collider> {
-        self.colliders.remove(collider).ok_or_else(|| gone("collider"))
+        self.colliders
+            .remove(collider)
+            .ok_or_else(|| gone("collider"))
     }
 
     /// A rigid body, which falls, rests on colliders, is pushed by all avatars that touch it and pushes back.
@@ -419,7 +423,9 @@ impl World {
         let moved = |of: &mut usize| *of -= usize::from(*of > asset);
         self.avatars.values_mut().for_each(moved);
         self.instances.values_mut().for_each(|(of, _)| moved(of));
-        self.bodies.values_mut().for_each(|body| moved(&mut body.asset));
+        self.bodies
+            .values_mut()
+            .for_each(|body| moved(&mut body.asset));
         self.stepper = None;
     }
 

@@ -340,7 +340,9 @@ impl Evaluators {
                 && !batch.asked.is_empty()
             {
                 let out = &mut batch.differences[batch.asked.clone()];
-                potential.recorder().finish_energy_differences(&bytes, out)?;
+                potential
+                    .recorder()
+                    .finish_energy_differences(&bytes, out)?;
             }
         }
         Ok(())

@@ -63,7 +63,8 @@ impl OpenedGpu {
         #[cfg(not(target_arch = "wasm32"))]
         pollster::block_on(self.compile(&avatar.material))?;
         let kernels = self.find(&avatar.material).ok_or_else(|| {
-            let problem = "its law is not compiled yet: await World::compile_kernels before the avatar comes";
+            let problem =
+                "its law is not compiled yet: await World::compile_kernels before the avatar comes";
             crate::Error::invalid("material", problem)
         })?;
         GpuPotential::with_kernels(

@@ -73,9 +73,8 @@ impl World {
                 for collider in self.colliders.values() {
                     let moved = collider.frame.position.distance(collider.previous.position);
                     let margin = margin + 2.0 * moved;
-                    let near = ball(collider, &collider.frame).is_none_or(|ball| {
-                        bounds.meets(parents, &instance.state, ball, margin)
-                    });
+                    let near = ball(collider, &collider.frame)
+                        .is_none_or(|ball| bounds.meets(parents, &instance.state, ball, margin));
                     if near {
                         instance.colliders.push(collider.clone());
                     }
@@ -119,8 +118,16 @@ impl World {
     /// Makes room for what has been found.
     fn make_room_for(&mut self, meetings: &[Meeting]) -> Result<()> {
         let is_mesh = |shape: &Shape| matches!(shape, Shape::Mesh(_));
-        let meshes = (self.colliders.values().filter(|c| is_mesh(&c.shape)).count())
-            + (self.bodies.values().filter(|b| is_mesh(&b.rigid.shape)).count());
+        let meshes = (self
+            .colliders
+            .values()
+            .filter(|c| is_mesh(&c.shape))
+            .count())
+            + (self
+                .bodies
+                .values()
+                .filter(|b| is_mesh(&b.rigid.shape))
+                .count());
         let mut rest = meetings;
         for asset in 0..self.batches.len() {
             let mine = rest.partition_point(|m| m.asset == asset);

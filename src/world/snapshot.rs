@@ -125,8 +125,7 @@ impl World {
         };
         let avatars = self.batches.iter().filter(|b| !b.is_body).map(asset);
         let assets = avatars.collect::<Result<Vec<_>>>()?;
-        let character =
-            |&(asset, place): &(usize, usize)| &self.batches[asset].characters[place];
+        let character = |&(asset, place): &(usize, usize)| &self.batches[asset].characters[place];
         let characters = || self.instances.values().map(character);
         let of_bodies = || self.bodies.values().map(|body| character(&(body.asset, 0)));
         let states: Vec<_> = characters().map(Character::stored_state).collect();
@@ -157,7 +156,10 @@ impl World {
     /// was.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let world: StoredWorld = read(snapshot, WORLD)?;
-        world.settings.validate().map_err(|e| e.within("snapshot"))?;
+        world
+            .settings
+            .validate()
+            .map_err(|e| e.within("snapshot"))?;
         let assets: Vec<StoredAsset> = read(snapshot, ASSETS)?;
         let avatars = self.check_assets(&assets)?;
         let (instances, states): (SlotMap<InstanceId, (usize, usize)>, Vec<StoredState>) =

@@ -142,7 +142,9 @@ mod tests {
 
     #[test]
     fn potentials_with_kernels_make_no_pipeline() {
-        let _alone = made::ONE_AT_A_TIME.lock().unwrap_or_else(|e| e.into_inner());
+        let _alone = made::ONE_AT_A_TIME
+            .lock()
+            .unwrap_or_else(|e| e.into_inner());
         let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))
             .expect("GPU tests need an adapter, such as the one of mesa-vulkan-drivers");
         let (device, queue) = (&gpu.device, &gpu.queue);

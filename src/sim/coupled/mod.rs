@@ -64,8 +64,7 @@ impl Coupled {
             for &i in of_group {
                 let minimisation = &mut minimisations[i];
                 minimisation.step.copy_from_slice(&self.parts[i].step);
-                minimisation.solved =
-                    finish(minimisation, iterates, i, shared.solved);
+                minimisation.solved = finish(minimisation, iterates, i, shared.solved);
             }
             let reports = || of_group.iter().map(|&i| &minimisations[i].report);
             let decrement = reports().map(|r| r.decrement).sum();

@@ -69,7 +69,10 @@ fn a_box_squeezed_by_two_assets_meets_equal_forces() -> Result<()> {
     let [left, right] = limbs.map(|limb| world.instance(limb).unwrap().report().contact_force);
     println!("{left} {right} N");
     assert!(left.y < -1.0, "{left}: not pressed");
-    assert!((left + right).length() < 0.01 * left.length(), "{left} against {right}");
+    assert!(
+        (left + right).length() < 0.01 * left.length(),
+        "{left} against {right}"
+    );
     let place = world.body_frame(body)?.position;
     // The softer one gives way more.
     assert!(place.y.abs() < 0.004, "{place}");

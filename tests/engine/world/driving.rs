@@ -67,7 +67,12 @@ fn what_nothing_drives_stands() -> Result<()> {
     }
     let end = world.instance(key)?.state();
     let apart = |(a, b): (&Frame, &Frame)| a.position.distance(b.position);
-    let sag = start.frames.iter().zip(&end.frames).map(apart).fold(0.0, f64::max);
+    let sag = start
+        .frames
+        .iter()
+        .zip(&end.frames)
+        .map(apart)
+        .fold(0.0, f64::max);
     println!("{:.2} mm of {:.0} mm", sag * 1e3, 250.0);
     assert!(sag < 0.02 * 0.25, "{sag} m");
     world.instance_mut(key)?.ragdoll(0.0)?;
@@ -102,7 +107,11 @@ fn jumps_are_not_felt() -> Result<()> {
     world.instance_mut(key)?.teleport_to(&away)?;
     world.set_gravity(DVec3::ZERO);
     world.step_blocking(0.01)?;
-    assert!(swing(&world) < before + 2e-4, "{} after {before}", swing(&world));
+    assert!(
+        swing(&world) < before + 2e-4,
+        "{} after {before}",
+        swing(&world)
+    );
     world.step_blocking(2.0 * LONGEST_STEP)?;
     world.instance_mut(key)?.reset();
     drive(&mut world, 7.0)?;
@@ -144,7 +153,11 @@ fn unusable_input_is_refused_by_name_and_changes_nothing() -> Result<()> {
     assert!(character.ragdoll(-1.0).is_err());
     assert!(character.teleport_to(&skewed).is_err());
     assert_eq!(character.state(), &before);
-    assert!(world.add_instance_at(world_key_of_another(), &Frame::IDENTITY).is_err());
+    assert!(
+        world
+            .add_instance_at(world_key_of_another(), &Frame::IDENTITY)
+            .is_err()
+    );
     Ok(())
 }
 

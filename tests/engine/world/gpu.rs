@@ -37,7 +37,10 @@ fn at(y: f64) -> Frame {
 fn box_between(backend: Backend) -> Result<(World, [InstanceId; 2], BodyId)> {
     let mut world = World::new(backend)?.with_up(UpAxis::Z);
     world.set_gravity(DVec3::ZERO);
-    let [a, b] = [world.add_avatar(limb(5, 8))?, world.add_avatar(limb(6, 10))?];
+    let [a, b] = [
+        world.add_avatar(limb(5, 8))?,
+        world.add_avatar(limb(6, 10))?,
+    ];
     let apart = APART + 5e-4;
     let limbs = [
         world.add_instance_at(a, &at(-apart))?,
@@ -153,7 +156,9 @@ fn trials_that_go_in_turns_are_those_of_the_cpu() -> Result<()> {
         }
         world.step_blocking(0.01)?;
         let after = world.traffic();
-        let states = keys.iter().map(|key| Ok(world.instance(*key)?.state().clone()));
+        let states = keys
+            .iter()
+            .map(|key| Ok(world.instance(*key)?.state().clone()));
         let states = states.collect::<Result<_>>()?;
         Ok((states, [0, 1].map(|k| after[k] - before[k])))
     };
@@ -190,7 +195,9 @@ fn the_skin_is_where_it_is_drawn_from() -> Result<()> {
         encoder.copy_buffer_to_buffer(skin.buffer, skin.range.start, &copy, 0, size);
         gpu.queue.submit([encoder.finish()]);
         copy.map_async(wgpu::MapMode::Read, .., |mapped| mapped.unwrap());
-        gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        gpu.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .unwrap();
         let bytes = copy.get_mapped_range(..).unwrap();
         for (vertex, position) in bytes.chunks_exact(32).zip(&positions) {
             let drawn: [f32; 3] = bytemuck::pod_read_unaligned(&vertex[..12]);
