@@ -83,6 +83,16 @@ impl Shape {
         ]
     }
 
+    /// Files of the kernels under `kernels/`, in the order of [`Shape::index`].
+    pub const KERNELS: [&'static str; 6] = [
+        "collider/half_space.wgsl",
+        "collider/sphere.wgsl",
+        "collider/capsule.wgsl",
+        "collider/cylinder.wgsl",
+        "collider/box.wgsl",
+        "collider/mesh.wgsl",
+    ];
+
     /// Number of the shape, by which the kernel switches.
     pub fn index(&self) -> u32 {
         match self {
@@ -117,14 +127,7 @@ impl Shape {
 
     /// File of the kernel under `kernels/`.
     pub fn kernel(&self) -> &'static str {
-        match self {
-            Self::HalfSpace => "collider/half_space.wgsl",
-            Self::Sphere { .. } => "collider/sphere.wgsl",
-            Self::Capsule { .. } => "collider/capsule.wgsl",
-            Self::Cylinder { .. } => "collider/cylinder.wgsl",
-            Self::Box { .. } => "collider/box.wgsl",
-            Self::Mesh(_) => "collider/mesh.wgsl",
-        }
+        Self::KERNELS[self.index() as usize]
     }
 
     /// Distance and normal at `point` of the shape's own frame.

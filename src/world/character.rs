@@ -291,7 +291,7 @@ impl Character {
             return Err(Error::invalid("frames", problem));
         }
         for (frame, name) in frames.iter().zip(names) {
-            rigid(&format!("frames.{name}"), frame)?;
+            rigid(name, frame).map_err(|e| e.within("frames"))?;
         }
         Ok(())
     }

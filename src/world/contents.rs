@@ -65,12 +65,14 @@ impl World {
     /// A device that cannot be used.
     pub async fn open(backend: Backend) -> Result<Self> {
         let up = UpAxis::Y;
+        let opened = backend.open().await?;
         Ok(Self {
-            opened: backend.open().await?,
             settings: Settings {
-                report_at_end: true,
+                // On a GPU it costs a readback more.
+                report_at_end: matches!(opened, Opened::Cpu),
                 ..Settings::default()
             },
+            opened,
             up,
             gravity: -GRAVITY * up.direction(),
             avatars: SlotMap::with_key(),

@@ -118,8 +118,9 @@ impl Sources {
                     }
                 }
                 SHAPES => {
-                    for shape in Shape::examples() {
-                        self.append(name, shape.kernel(), &mut source)?;
+                    // Not those of `Shape::examples`: a mesh is made on all threads, which here may wait for one another.
+                    for path in Shape::KERNELS {
+                        self.append(name, path, &mut source)?;
                     }
                     source.push_str(&shape_switch());
                 }
@@ -149,11 +150,9 @@ fn shape_switch() -> String {
         "fn signed_distance(shape: u32, parameters: vec4<f32>, p: vec3<f32>) -> SignedDistance {\n\
          switch shape {\n",
     );
-    for shape in Shape::examples() {
-        let path = shape.kernel();
+    for (index, path) in Shape::KERNELS.into_iter().enumerate() {
         let file = path.rsplit('/').next().unwrap_or(path);
         let stem = file.trim_end_matches(".wgsl");
-        let index = shape.index();
         // Writing to a String cannot fail.
         let _ = writeln!(
             out,
