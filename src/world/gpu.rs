@@ -126,20 +126,74 @@ mod tests {
     use crate::collider::Shape;
     use crate::gpu::{AdapterChoice, GpuDevice, pipeline::made};
     use crate::material::Material;
-    use crate::model::RigidBody;
+    use crate::model::{RigidBody, State};
+    use crate::potential::Trial;
     use crate::random_avatar::random_avatar;
+    use crate::sim::Members;
     use crate::world::{Backend, World};
     use std::sync::atomic::Ordering;
+
+    fn world() -> Result<World> {
+        let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))
+            .expect("GPU tests need an adapter, such as the one of mesa-vulkan-drivers");
+        World::new(Backend::Gpu {
+            device: gpu.device,
+            queue: gpu.queue,
+        })
+    }
+
+    #[test]
+    fn trials_that_go_in_turns_are_those_of_each_alone() -> Result<()> {
+        let _alone = (made::ONE_AT_A_TIME.lock()).unwrap_or_else(|e| e.into_inner());
+        let mut world = world()?;
+        let ball = Shape::Sphere { radius: 0.05 };
+        world.add_body(RigidBody::new("ball", ball, 900.0)?)?;
+        // With their bases 24 states, where a submission takes 16.
+        for (seed, instances) in [(1, 12), (2, 2)] {
+            let avatar = world.add_avatar(random_avatar(seed, 3, 5, 40, 100))?;
+            for _ in 0..instances {
+                world.add_instance(avatar)?;
+            }
+        }
+        world.step_blocking(0.01)?;
+        let bases: Vec<State> = (world.batches.iter())
+            .flat_map(|batch| batch.characters.iter().map(|c| c.instance.state.clone()))
+            .collect();
+        let moved = |(i, state): (usize, &State)| {
+            state.moved(&vec![1e-4 * (1 + i) as f64; state.space().dofs()], 1.0)
+        };
+        let states: Vec<State> = bases.iter().enumerate().map(moved).collect();
+        let active = (world.batches.iter())
+            .flat_map(|batch| batch.members().zip(&batch.used))
+            .filter_map(|(member, used)| used.then_some(member));
+        let trials: Vec<Trial<'_>> = active
+            .map(|instance| Trial {
+                instance,
+                base: &bases[instance],
+                state: &states[instance],
+            })
+            .collect();
+        assert_eq!(trials.len(), 15);
+        let evaluators = &mut world.evaluators;
+        let before = evaluators.traffic();
+        let mut together = vec![0.0; trials.len()];
+        pollster::block_on(evaluators.energy_differences(&trials, &mut together))?;
+        let after = evaluators.traffic();
+        assert_eq!([0, 1].map(|k| after[k] - before[k]), [2, 2]);
+        for (trial, together) in trials.iter().zip(together) {
+            let mut alone = [0.0];
+            pollster::block_on(evaluators.energy_differences(&[*trial], &mut alone))?;
+            assert_eq!(alone, [together]);
+            // A body has no tissue.
+            assert_eq!(together != 0.0, !trial.state.handles.is_empty());
+        }
+        Ok(())
+    }
 
     #[test]
     fn what_comes_makes_no_pipeline_but_a_new_law() -> Result<()> {
         let _alone = (made::ONE_AT_A_TIME.lock()).unwrap_or_else(|e| e.into_inner());
-        let gpu = pollster::block_on(GpuDevice::open(AdapterChoice::HardwareElseSoftware))
-            .expect("GPU tests need an adapter, such as the one of mesa-vulkan-drivers");
-        let mut world = World::new(Backend::Gpu {
-            device: gpu.device,
-            queue: gpu.queue,
-        })?;
+        let mut world = world()?;
         let count = || made::COUNT.load(Ordering::Relaxed);
         let before = count();
         let mut small = random_avatar(1, 3, 5, 40, 100);

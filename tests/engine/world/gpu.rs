@@ -130,7 +130,7 @@ fn a_step_is_one_submission_and_one_readback_beside_the_skin() -> Result<()> {
 }
 
 #[test]
-fn trials_that_go_in_turns_are_those_of_the_cpu() -> Result<()> {
+fn line_searches_of_many_end_where_those_on_the_cpu_end() -> Result<()> {
     let gpu = device();
     let converged = Settings {
         solver: SolverMode::Converged {
@@ -165,7 +165,7 @@ fn trials_that_go_in_turns_are_those_of_the_cpu() -> Result<()> {
     let (on_gpu, traffic) = run(on_gpu(&gpu))?;
     let (on_cpu, none) = run(Backend::Cpu)?;
     assert_eq!(none, [0, 0]);
-    // An evaluation, a trial of each in two turns (of 8 with their bases), and the step's end.
+    // An evaluation, a trial of each in two turns (of 8 with their bases), and the step's end at least.
     assert!(traffic[1] >= 4, "{traffic:?}");
     let errors = on_gpu.iter().zip(&on_cpu).map(|(a, b)| way(a, b));
     let worst = errors.fold(0.0, f64::max);
