@@ -9,7 +9,7 @@ use glam::Mat4;
 
 impl Character {
     /// All bones follow the world matrices of the avatar's joints, as the host's animation has them at the end of the
-    /// next step: one for each entry of [`Avatar::joints`], in its order.
+    /// next step: one for each of `avatar().joints`, in that order.
     ///
     /// # Errors
     /// A wrong count; a matrix that is not finite, scales by more than 1e-3, shears or mirrors.
