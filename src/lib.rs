@@ -15,7 +15,7 @@
 //! # AvatarFile::new(random).write(Parts::All, &path)?;
 //! let mut world = World::new(Backend::Auto)?; // a GPU if there is one, else the CPU; y points up
 //! let hand = world.add_avatar(supple::file::read_avatar(&path)?)?; // once for all its instances
-//! let left = world.add_instance(hand)?; // stands as its file has it, and keeps its pose
+//! let left = world.add_instance(hand)?; // springs keep its pose; it starts where the first bones are
 //! let (mut positions, mut normals) = (Vec::new(), Vec::new());
 //! for _frame in 0..3 {
 //!     // World matrices of the file's joints, which `avatar().joints` lists in this order.

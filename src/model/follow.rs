@@ -164,7 +164,7 @@ impl Source<'_> {
     }
 
     fn field(&self) -> &'static str {
-        self.skin.map_or("world", |_| "skinning")
+        self.skin.map_or("joints", |_| "skinning")
     }
 
     /// The joint that matrix `k` is of, and what the matrix makes of the bone's frame: F, or F · inverse bind.

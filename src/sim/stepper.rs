@@ -209,6 +209,14 @@ impl Stepper {
         });
     }
 
+    /// The force that a link's member exerts on its body in the state that the step ended with, N; none where nobody asked
+    /// for that state.
+    pub fn push(&self, link: &Link) -> Option<DVec3> {
+        let gradient = &self.newton.minimisations[link.member].frame_gradient;
+        let asked = self.newton.active[link.member] && self.pinned[link.member];
+        asked.then(|| -DVec3::from_slice(&gradient[6 * link.frame..6 * link.frame + 3]))
+    }
+
     /// Exchanges the report of a member for the memory of an older one.
     pub fn swap_report(&mut self, member: usize, report: &mut InstanceReport) {
         std::mem::swap(report, &mut self.newton.minimisations[member].report);

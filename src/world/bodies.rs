@@ -53,7 +53,8 @@ impl World {
         Ok((instance.previous.frames[0], instance.state.frames[0]))
     }
 
-    /// What the last step said of a body.
+    /// What the last step said of a body. Its contact force is what colliders exert on it, and avatars: those of which a bone
+    /// is driven, or all where [`Settings::report_at_end`](crate::sim::Settings::report_at_end) is set, as it is on the CPU.
     ///
     /// # Errors
     /// A key of none.

@@ -41,6 +41,8 @@ pub struct Character {
     pub(super) frames: Vec<Frame>,
     /// Whether the host has it take part.
     pub(super) awake: bool,
+    /// Whether no step has moved it yet: then the first bones that are said are where it starts.
+    pub(super) fresh: bool,
 }
 
 impl Borrow<Instance> for Character {
@@ -75,6 +77,7 @@ impl Character {
             report: InstanceReport::default(),
             frames: Vec::new(),
             awake: true,
+            fresh: true,
         };
         out.hold();
         out.reset();
@@ -280,6 +283,7 @@ impl Character {
             return Err(Error::invalid("driver", problem));
         }
         (self.driving, self.placement, self.awake) = (driving, *placement, awake);
+        self.fresh = false;
         Ok(())
     }
 
@@ -307,6 +311,12 @@ pub(super) fn rigid(field: &str, frame: &Frame) -> Result<()> {
     if frame.is_rigid() {
         return Ok(());
     }
-    let problem = format!("{frame:?} is not finite, or its rotation is none");
+    let finite = frame.position.is_finite() && frame.rotation.is_finite();
+    let problem = match finite {
+        false => "holds a value that is not finite",
+        true => {
+            "its rotation scales, shears or mirrors; hand in an orthonormal matrix with determinant 1"
+        }
+    };
     Err(Error::invalid(field, problem))
 }

@@ -45,6 +45,8 @@ pub struct World {
     pub(super) stepper: Option<Stepper>,
     pub(super) meetings: Meetings,
     pub(super) timings: Timings,
+    /// Whether the posed skins are those of the states.
+    pub(super) posed: bool,
     /// Memory of the list of all members.
     pub(super) each: Vec<(&'static Physics, &'static Instance)>,
 }
@@ -84,6 +86,7 @@ impl World {
             stepper: None,
             meetings: Meetings::default(),
             timings: Timings::default(),
+            posed: false,
             each: Vec::new(),
         })
     }
@@ -191,6 +194,7 @@ impl World {
         let placement = placement.compose(&batch.avatar.standing(self.up));
         batch.characters[place] = batch.character(self.gravity, &placement);
         batch.used[place] = true;
+        self.posed = false;
         Ok(self.instances.insert((asset, place)))
     }
 
@@ -225,6 +229,7 @@ impl World {
     /// A key of none.
     pub fn instance_mut(&mut self, instance: InstanceId) -> Result<&mut Character> {
         let (asset, place) = self.find(instance)?;
+        self.posed = false;
         Ok(&mut self.batches[asset].characters[place])
     }
 
@@ -249,6 +254,7 @@ impl World {
         let bodies = self.bodies.values_mut().map(|body| &mut body.asset);
         bodies.for_each(|of| *of += usize::from(*of >= asset));
         self.stepper = None;
+        self.posed = false;
         asset
     }
 
@@ -262,6 +268,7 @@ impl World {
             .values_mut()
             .for_each(|body| moved(&mut body.asset));
         self.stepper = None;
+        self.posed = false;
     }
 
     /// A free place among an asset's instances.
@@ -283,6 +290,7 @@ impl World {
         if let Some(evaluator) = self.batches[asset].make_room(&mut self.opened, wanted)? {
             self.evaluators.replace(asset, evaluator);
             self.stepper = None;
+            self.posed = false;
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use glam::Mat4;
 
 impl Character {
     /// All bones follow the world matrices of the avatar's joints, as the host's animation has them at the end of the
-    /// next step: one for each of `avatar().joints`, in that order.
+    /// next step: one for each of `avatar().joints`, in that order. What is said before the first step is where it starts.
     ///
     /// # Errors
     /// A wrong count; a matrix that is not finite, scales by more than 1e-3, shears or mirrors.
@@ -51,6 +51,9 @@ impl Character {
         let pins = frames.iter().enumerate();
         (instance.pins).extend(pins.map(|(bone, &frame)| Pin { bone, frame }));
         self.driving = Driving::Followed;
+        if self.fresh {
+            self.reset();
+        }
         Ok(())
     }
 
@@ -80,6 +83,9 @@ impl Character {
             (target.rotation, target.position) = (Some(rotation), Some(position));
         }
         self.driving = Driving::Drawn;
+        if self.fresh {
+            self.reset();
+        }
         Ok(())
     }
 

@@ -2,13 +2,14 @@
 
 use super::backend::Room;
 use super::batch::Batch;
-use super::contents::World;
+use super::contents::{Body, World};
 use super::keys::BodyId;
 use super::near::ball;
 use crate::Result;
 use crate::collider::{Collider, Shape};
 use crate::model::Frame;
-use crate::sim::Link;
+use crate::sim::{Link, Stepper};
+use slotmap::SlotMap;
 
 /// Always added to what moves in a step, m: nothing that is nearer is overlooked.
 const MARGIN: f64 = 0.01;
@@ -31,6 +32,23 @@ pub(super) struct Meetings {
     pub links: Vec<Link>,
 }
 
+impl Meetings {
+    /// Adds what avatars exert on each body to the body's report, where it is known.
+    pub fn report_pushes(
+        &self,
+        stepper: &Stepper,
+        bodies: &SlotMap<BodyId, Body>,
+        batches: &mut [Batch],
+    ) {
+        for (meeting, link) in self.list.iter().zip(&self.links) {
+            if let Some(force) = stepper.push(link) {
+                let body = &mut batches[bodies[meeting.body].asset].characters[0];
+                body.report.contact_force += force;
+            }
+        }
+    }
+}
+
 /// How far an instance may move in a step, m.
 fn travel(batch: &Batch, place: usize) -> f64 {
     let instance = &batch.characters[place].instance;
@@ -46,6 +64,10 @@ fn travel(batch: &Batch, place: usize) -> f64 {
 impl World {
     /// Finds what every instance may touch in a step, makes room for it, and gives it to the instances.
     pub(super) fn meet(&mut self) -> Result<()> {
+        for (key, collider) in &self.colliders {
+            let named = |e: crate::Error| e.within(&format!("colliders[{key:?}]"));
+            collider.validate().map_err(named)?;
+        }
         let mut meetings = std::mem::take(&mut self.meetings);
         let fall = self.gravity().length() * self.time_step().powi(2);
         self.find_colliders(fall);

@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// lever that it has, turns it by [`SAG`] at most. What hangs on a joint is its own bone's matter and its descendants'.
 pub(super) fn pose_stiffness(avatar: &Avatar) -> Arc<[f64]> {
     /// rad.
-    const SAG: f64 = 0.01;
+    const SAG: f64 = 0.001;
     const GRAVITY: f64 = 9.81;
     let (skeleton, bones) = (&avatar.skeleton, avatar.bones());
     // Mass and first moment about the file's origin.

@@ -5,10 +5,13 @@ use super::contents::World;
 use super::gpu::SkinBuffer;
 use super::keys::InstanceId;
 use crate::Result;
+use crate::sim::Members;
 use glam::DVec3;
 
 impl World {
-    /// The posed skin of an instance: positions (m, world) and normals, copied out.
+    /// The posed skin of an instance as it is now: positions (m, world) and normals, copied out. There is one of each for
+    /// each vertex of `avatar().skin`, whose seams are welded: [`RenderMesh::vertices`](crate::model::RenderMesh) of
+    /// `avatar().render_meshes` says which of them each vertex of the character's file is.
     ///
     /// # Errors
     /// A key of none; a lost device.
@@ -19,8 +22,21 @@ impl World {
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
         let (asset, place) = self.find(instance)?;
+        if !self.posed {
+            self.pose().await?;
+        }
         let evaluator = self.evaluators.get_mut(asset);
         evaluator.read_skin(place, positions, normals).await
+    }
+
+    /// Poses the skins of the present states.
+    async fn pose(&mut self) -> Result<()> {
+        self.number()?;
+        let characters = self.batches.iter().flat_map(|batch| &batch.characters);
+        let states: Vec<_> = characters.map(|c| c.instance.state.clone()).collect();
+        self.evaluators.pose_skin(&states).await?;
+        self.posed = true;
+        Ok(())
     }
 
     /// Where the posed skin of an instance is on the device, to be drawn from by what the host submits after a step; none

@@ -276,6 +276,7 @@ impl World {
         self.colliders = colliders;
         (self.settings, self.up, self.gravity) = (settings, world.up, world.gravity);
         self.stepper = None;
+        self.posed = false;
         Ok(())
     }
 

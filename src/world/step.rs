@@ -34,6 +34,7 @@ impl World {
         timings.skeleton = watch.ms();
         self.minimise(&mut timings).await?;
         self.commit();
+        self.posed = true;
         self.report(&mut timings);
         timings.step = watch.ms();
         self.timings = timings;
@@ -77,7 +78,7 @@ impl World {
     }
 
     /// Numbers the members anew and makes memory for their steps, where any have come or gone.
-    fn number(&mut self) -> Result<()> {
+    pub(super) fn number(&mut self) -> Result<()> {
         if self.stepper.is_some() {
             return Ok(());
         }
@@ -148,8 +149,11 @@ impl World {
             stepper.commit(batch.members(), &batch.physics, &mut batch.characters);
             for (member, character) in batch.members().zip(&mut batch.characters) {
                 stepper.swap_report(member, &mut character.report);
+                character.fresh = false;
             }
         }
+        self.meetings
+            .report_pushes(stepper, &self.bodies, &mut self.batches);
         for collider in self.colliders.values_mut() {
             collider.previous = collider.frame;
         }

@@ -22,7 +22,7 @@ fn what_is_not_rigid_is_refused_by_joint_value_and_cure() {
     let scale = |x, y, z| Mat4::from_scale(Vec3::new(x, y, z));
     let large = refused(|w| w * scale(1.25, 1.25, 1.25));
     assert!(
-        large.starts_with("world[2]: joint \"bone 2\" is 1.2500 times as large"),
+        large.starts_with("joints[2]: joint \"bone 2\" is 1.2500 times as large"),
         "{large}"
     );
     assert!(large.contains("take that scale out"), "{large}");

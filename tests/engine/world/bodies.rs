@@ -95,8 +95,25 @@ fn what_flies_together_keeps_its_momentum() -> Result<()> {
     let start = momentum(&world, &limbs, body, h)?;
     assert!(start.length() > 0.01);
     let (mut touched, mut moved) = ([false; 2], 0.0f64);
+    let body_momentum = |world: &World| -> Result<DVec3> {
+        let (before, after) = world.body_motion(body)?;
+        Ok(RigidBody::new("box", BOX, 500.0)?
+            .mass
+            .momentum(&before, &after, h))
+    };
     for _ in 0..60 {
+        let before = body_momentum(&world)?;
         world.step_blocking(h)?;
+        // ṗ = f: nothing but the avatars' contact moves the box.
+        let (after, push) = (
+            body_momentum(&world)?,
+            world.body_report(body)?.contact_force,
+        );
+        let change = (after - before) / h;
+        assert!(
+            (change - push).length() < 1e-5 * (1.0 + push.length()),
+            "{change} {push}"
+        );
         for (touched, limb) in touched.iter_mut().zip(limbs) {
             *touched |= world.instance(limb)?.report().contacts > 0;
         }

@@ -161,6 +161,62 @@ fn unusable_input_is_refused_by_name_and_changes_nothing() -> Result<()> {
     Ok(())
 }
 
+/// The skin is there before the first step, and the first bones that are said are where a character starts.
+#[test]
+fn what_is_said_first_is_where_it_starts() -> Result<()> {
+    let mut world = World::new(Backend::Cpu)?;
+    let avatar = limb(4, 6);
+    let vertices = avatar.skin.len();
+    let key = world.add_avatar(avatar)?;
+    let key = world.add_instance(key)?;
+    let (mut skin, mut normals) = (Vec::new(), Vec::new());
+    world.read_skin_blocking(key, &mut skin, &mut normals)?;
+    assert_eq!((skin.len(), normals.len()), (vertices, vertices));
+    let rest = skin[0];
+    world.set_gravity(DVec3::ZERO);
+    world.instance_mut(key)?.follow_frames(&[at_x(0.8)])?;
+    world.read_skin_blocking(key, &mut skin, &mut normals)?;
+    assert!((skin[0] - rest).length() > 0.5, "{} {rest}", skin[0]);
+    world.step_blocking(0.01)?;
+    let swing = |world: &World| {
+        let handles = world.instance(key).unwrap().handles().iter();
+        handles.map(|h| h.length()).fold(0.0, f64::max)
+    };
+    assert!(swing(&world) < 1e-9, "{}", swing(&world));
+    // From then on a jump is one.
+    world.instance_mut(key)?.follow_frames(&[at_x(0.81)])?;
+    world.step_blocking(0.01)?;
+    assert!(swing(&world) > 1e-3, "{}", swing(&world));
+    Ok(())
+}
+
+#[test]
+fn an_unusable_collider_is_named_and_nothing_moves() -> Result<()> {
+    let mut world = converged()?;
+    let key = world.add_avatar(limb(4, 6))?;
+    let key = world.add_instance(key)?;
+    let ball = Collider::new(Shape::Sphere { radius: 0.05 }, at(-0.08));
+    let first = world.add_collider(ball.clone())?;
+    let second = world.add_collider(ball)?;
+    world.step_blocking(0.01)?;
+    let before = world.instance(key)?.state().clone();
+    for spoil in [
+        (|c| c.frame.position.x = f64::NAN) as fn(&mut Collider),
+        |c| c.stiffness = -1.0,
+        |c| c.shape = Shape::Sphere { radius: f64::NAN },
+    ] {
+        let good = world.collider_mut(second)?.clone();
+        spoil(world.collider_mut(second)?);
+        let error = world.step_blocking(0.01).unwrap_err().to_string();
+        assert!(error.contains(&format!("{second:?}")), "{error}");
+        assert!(!error.contains(&format!("{first:?}")), "{error}");
+        assert_eq!(world.instance(key)?.state(), &before);
+        *world.collider_mut(second)? = good;
+    }
+    world.step_blocking(0.01)?;
+    Ok(())
+}
+
 /// A key that no world has given.
 fn world_key_of_another() -> supple::world::AvatarId {
     Default::default()
