@@ -34,6 +34,7 @@ fn converged() -> Result<World> {
     };
     World::new(Backend::Cpu)?.with_settings(Settings {
         solver,
+        report_at_end: true,
         ..Settings::default()
     })
 }
