@@ -18,8 +18,8 @@ pub enum Driving {
     Held,
     /// All bones follow the host's exactly.
     Followed,
-    /// Springs draw all bones to the host's.
-    Drawn,
+    /// Springs pull all bones to the host's.
+    Tracked,
     /// Nothing does: it falls, its joints limited and bent by their springs.
     Ragdoll,
 }
@@ -221,7 +221,7 @@ impl Character {
             self.instance.state.frames[bone] = match self.driving {
                 Driving::Held | Driving::Ragdoll => self.rest_frame(bone),
                 Driving::Followed => self.instance.pins[bone].frame,
-                Driving::Drawn => self.instance.targets[bone].frame,
+                Driving::Tracked => self.instance.targets[bone].frame,
             };
         }
     }
@@ -230,7 +230,7 @@ impl Character {
     pub(super) fn ride(&mut self) {
         let instance = &mut self.instance;
         instance.previous.clone_from(&instance.state);
-        if matches!(self.driving, Driving::Followed | Driving::Drawn) {
+        if matches!(self.driving, Driving::Followed | Driving::Tracked) {
             self.snap();
         }
         for target in &mut self.instance.targets {
@@ -240,7 +240,7 @@ impl Character {
 
     /// A step too long to be one: the bones are where they are driven to, at rest.
     pub(super) fn jump(&mut self) {
-        if matches!(self.driving, Driving::Followed | Driving::Drawn) {
+        if matches!(self.driving, Driving::Followed | Driving::Tracked) {
             self.snap();
         }
         let instance = &mut self.instance;
@@ -276,7 +276,7 @@ impl Character {
         let complete = match driving {
             Driving::Held | Driving::Ragdoll => true,
             Driving::Followed => pins,
-            Driving::Drawn => targets,
+            Driving::Tracked => targets,
         };
         if !complete {
             let problem = "does not say where each bone goes";

@@ -57,19 +57,19 @@ impl Character {
         Ok(())
     }
 
-    /// Springs draw all bones to `frames`, one for each of [`Character::frames`]; so the bones give way to what they
+    /// Springs pull all bones to `frames`, one for each of [`Character::frames`]; so the bones give way to what they
     /// meet. `rotation` in N·m/rad and N·m·s, `position` in N/m and N·s/m.
     ///
     /// # Errors
     /// A wrong count, or a frame that is not rigid.
-    pub fn draw_to_frames(
+    pub fn track_frames(
         &mut self,
         frames: &[Frame],
         rotation: Spring,
         position: Spring,
     ) -> Result<()> {
         self.check(frames)?;
-        let again = self.driving == Driving::Drawn;
+        let again = self.driving == Driving::Tracked;
         let instance = &mut self.instance;
         instance.pins.clear();
         if !again {
@@ -82,7 +82,7 @@ impl Character {
             target.frame = frame;
             (target.rotation, target.position) = (Some(rotation), Some(position));
         }
-        self.driving = Driving::Drawn;
+        self.driving = Driving::Tracked;
         if self.fresh {
             self.reset();
         }
