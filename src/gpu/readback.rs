@@ -39,6 +39,8 @@ pub struct Readback {
     patience: Patience,
     /// Whether anything has been read.
     answered: bool,
+    /// Whether a mapping of the staging buffer was asked for and not awaited to its end.
+    abandoned: bool,
 }
 
 impl Readback {
@@ -58,18 +60,21 @@ impl Readback {
             }
             .into());
         }
-        let staging = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
         Ok(Self {
             label: label.to_owned(),
-            staging,
+            staging: staging(device, label, size),
             patience,
             answered: false,
+            abandoned: false,
         })
+    }
+
+    /// Before anything is copied again: another staging buffer in place of one whose mapping was abandoned. wgpu may take
+    /// the end of the submission that was waited for then for that of the next mapping, which would show old bytes.
+    pub fn renew(&mut self, device: &wgpu::Device) {
+        if std::mem::take(&mut self.abandoned) {
+            self.staging = staging(device, &self.label, self.staging.size());
+        }
     }
 
     /// Bytes that it has room for.
@@ -104,6 +109,7 @@ impl Readback {
         let lost = |problem: String| GpuError::DeviceLost(problem);
         let mapped = Mapped::default();
         let signal = mapped.clone();
+        self.abandoned = true;
         self.staging
             .map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
                 signal.finish(result.map_err(|e| e.to_string()));
@@ -130,7 +136,7 @@ impl Readback {
             })?;
         }
         mapped.clone().await.map_err(lost)?;
-        self.answered = true;
+        (self.answered, self.abandoned) = (true, false);
         std::mem::forget(pending);
         let view = self.staging.get_mapped_range(0..bytes);
         let mut out = Bytes {
@@ -140,6 +146,15 @@ impl Readback {
         out.view = Some(view.map_err(|e| lost(e.to_string()))?);
         Ok(out)
     }
+}
+
+fn staging(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
 }
 
 /// Bytes of a staging buffer, which nothing is copied to until they are dropped.

@@ -88,6 +88,9 @@ impl Submission {
     /// # Errors
     /// [`GpuError::Limit`] where they are not there.
     pub fn reserve(&mut self, bytes: u64) -> Result<Range<u64>> {
+        if self.reserved == 0 {
+            self.readback.renew(&self.device);
+        }
         let end = self.reserved + bytes;
         if end > self.readback.room() {
             return Err(GpuError::Limit {
