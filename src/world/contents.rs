@@ -17,7 +17,7 @@ use slotmap::SlotMap;
 use std::sync::Arc;
 
 /// Gravity on Earth, m/s².
-const GRAVITY: f64 = 9.81;
+pub(super) const GRAVITY: f64 = 9.81;
 
 /// A rigid body, and which asset it is.
 #[derive(Serialize, Deserialize)]

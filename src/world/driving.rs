@@ -50,10 +50,7 @@ impl Character {
         instance.pins.clear();
         let pins = frames.iter().enumerate();
         (instance.pins).extend(pins.map(|(bone, &frame)| Pin { bone, frame }));
-        self.driving = Driving::Followed;
-        if self.fresh {
-            self.reset();
-        }
+        self.drive_by(Driving::Followed);
         Ok(())
     }
 
@@ -82,11 +79,16 @@ impl Character {
             target.frame = frame;
             (target.rotation, target.position) = (Some(rotation), Some(position));
         }
-        self.driving = Driving::Tracked;
+        self.drive_by(Driving::Tracked);
+        Ok(())
+    }
+
+    /// What moves the bones from now on; before the first step it says where they start as well.
+    fn drive_by(&mut self, driving: Driving) {
+        self.driving = driving;
         if self.fresh {
             self.reset();
         }
-        Ok(())
     }
 
     /// The root is held where it was put, and springs keep the bind pose: so a character stands of which nothing else is

@@ -1,5 +1,6 @@
 //! The springs that keep the bind pose of a character that nothing else drives.
 
+use super::contents::GRAVITY;
 use crate::model::Avatar;
 use glam::DVec3;
 use std::sync::Arc;
@@ -9,7 +10,6 @@ use std::sync::Arc;
 pub(super) fn pose_stiffness(avatar: &Avatar) -> Arc<[f64]> {
     /// rad.
     const SAG: f64 = 0.001;
-    const GRAVITY: f64 = 9.81;
     let (skeleton, bones) = (&avatar.skeleton, avatar.bones());
     // Mass and first moment about the file's origin.
     let mut matter = vec![(0.0, DVec3::ZERO); skeleton.len()];

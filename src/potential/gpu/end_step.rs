@@ -2,8 +2,8 @@
 //! derivatives need. It reads back some hundred bytes a frame.
 
 use super::evaluate::{energies, float, is_sound};
-use super::recorder::{Recorder, Start};
-use super::shared::{BatchState, Summary};
+use super::recorder::Recorder;
+use super::shared::Summary;
 use super::stage::Stage;
 use crate::gpu::Submission;
 use crate::model::State;
@@ -23,28 +23,7 @@ impl Recorder {
         wanted: &[bool],
         submission: &mut Submission,
     ) -> Result<()> {
-        self.results = 0..0;
-        let begun = |i: usize| self.starts[i].is_some();
-        (self.checks).states(states, wanted, self.starts.len(), begun)?;
-        let instances = self.starts.len();
-        self.clear_uploads();
-        for (i, state) in states.iter().enumerate().filter(|(i, _)| wanted[*i]) {
-            let Start {
-                origin,
-                current,
-                batch_state,
-                ..
-            } = self.start(i)?.clone();
-            let batch_state = BatchState {
-                slot: (instances + self.batch.len()) as u32,
-                base: i as u32,
-                ..batch_state
-            };
-            if !self.push_state(batch_state, &current, state, origin) {
-                let quantity = "state in f32";
-                return Err(Error::NotFinite { quantity });
-            }
-        }
+        self.push_states(states, wanted)?;
         let count = self.batch.len();
         if count == 0 {
             return Ok(());
@@ -54,7 +33,7 @@ impl Recorder {
         let room = submission.reserve(summary_bytes + count as u64 * gradient_bytes)?;
         self.results = room.start as usize..room.end as usize;
         self.claim_states(submission);
-        self.upload_states(instances);
+        self.upload_states(self.starts.len());
         self.upload_batch(0);
         for batch in self.chunks(count) {
             self.dispatch(submission, |stages, pass| {

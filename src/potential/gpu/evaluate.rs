@@ -1,8 +1,8 @@
 //! Energy, gradient and Hessian on the GPU, in chunks where the scratch memory does not hold all states.
 
 use super::geometric::geometric_terms;
-use super::recorder::{Recorder, Start};
-use super::shared::{BatchState, Summary};
+use super::recorder::Recorder;
+use super::shared::Summary;
 use super::stage::Stage;
 use crate::gpu::Submission;
 use crate::model::State;
@@ -30,28 +30,7 @@ impl Recorder {
         active: &[bool],
         submission: &mut Submission,
     ) -> Result<()> {
-        self.results = 0..0;
-        let begun = |i: usize| self.starts[i].is_some();
-        (self.checks).states(states, active, self.starts.len(), begun)?;
-        let instances = self.starts.len();
-        self.clear_uploads();
-        for (i, state) in states.iter().enumerate().filter(|(i, _)| active[*i]) {
-            let Start {
-                origin,
-                current,
-                batch_state,
-                ..
-            } = self.start(i)?.clone();
-            let batch_state = BatchState {
-                slot: (instances + self.batch.len()) as u32,
-                base: i as u32,
-                ..batch_state
-            };
-            if !self.push_state(batch_state, &current, state, origin) {
-                let quantity = "state in f32";
-                return Err(Error::NotFinite { quantity });
-            }
-        }
+        self.push_states(states, active)?;
         let count = self.batch.len();
         if count == 0 {
             return Ok(());
@@ -60,7 +39,7 @@ impl Recorder {
         let room = submission.reserve(parts.end as u64)?;
         self.results = room.start as usize..room.end as usize;
         self.claim_states(submission);
-        self.upload_states(instances);
+        self.upload_states(self.starts.len());
         self.upload_batch(0);
         self.upload_prescribed();
         let contact_bytes = self.buffers.sizes.contact_bytes();

@@ -1,9 +1,10 @@
 //! What the next submission sends to the device.
 
 use super::pack;
-use super::recorder::Recorder;
+use super::recorder::{Recorder, Start};
 use super::shared::BatchState;
 use crate::model::{State, pose_feature};
+use crate::{Error, Result};
 use bytemuck::Pod;
 use glam::DVec3;
 
@@ -34,6 +35,33 @@ impl Recorder {
         self.handles.extend(pack::handles(base, state));
         let frames = cut(&mut self.frames[first_frame..], LONGEST_FRAME);
         frames & cut(&mut self.handles[first_handle..], self.longest_handle)
+    }
+
+    /// Fills the uploads with every wanted state, each measured from its instance's start and in a slot behind the starts'.
+    /// What was recorded before is not read any more.
+    pub(super) fn push_states(&mut self, states: &[State], wanted: &[bool]) -> Result<()> {
+        self.results = 0..0;
+        let begun = |i: usize| self.starts[i].is_some();
+        (self.checks).states(states, wanted, self.starts.len(), begun)?;
+        self.clear_uploads();
+        for (i, state) in states.iter().enumerate().filter(|(i, _)| wanted[*i]) {
+            let Start {
+                origin,
+                current,
+                batch_state,
+                ..
+            } = self.start(i)?.clone();
+            let batch_state = BatchState {
+                slot: (self.starts.len() + self.batch.len()) as u32,
+                base: i as u32,
+                ..batch_state
+            };
+            if !self.push_state(batch_state, &current, state, origin) {
+                let quantity = "state in f32";
+                return Err(Error::NotFinite { quantity });
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn push_features(&mut self, state: &State) {
