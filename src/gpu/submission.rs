@@ -25,8 +25,9 @@ pub struct Submission {
     sent: Option<wgpu::SubmissionIndex>,
     /// How often it was sent and read.
     traffic: [u64; 2],
-    /// Bytes of the staging buffer that are spoken for.
+    /// Bytes of the staging buffer that are spoken for, and how many of the first ones stay so where others are forgotten.
     reserved: u64,
+    kept: u64,
 }
 
 /// Numbers of recordings, so that no two of any submissions share one; 0 is none.
@@ -57,6 +58,7 @@ impl Submission {
             sent: None,
             traffic: [0; 2],
             reserved: 0,
+            kept: 0,
         })
     }
 
@@ -128,9 +130,14 @@ impl Submission {
         }
     }
 
-    /// Forgets what was to be read back, after an error; what is recorded runs with the next submission.
+    /// What is reserved by now comes back with whatever is read next.
+    pub fn keep_reads(&mut self) {
+        self.kept = self.reserved;
+    }
+
+    /// Forgets what was to be read back and is not kept, after an error; what is recorded runs with the next submission.
     pub fn cancel_reads(&mut self) {
-        self.reserved = 0;
+        self.reserved = self.kept;
     }
 
     /// Sends what is recorded and not sent yet, and waits for all that is reserved; then nothing is reserved any more, however it ends.
@@ -139,6 +146,7 @@ impl Submission {
     /// [`GpuError::DeviceLost`], [`GpuError::Timeout`].
     pub async fn read(&mut self) -> Result<Bytes<'_>> {
         let bytes = std::mem::take(&mut self.reserved);
+        self.kept = 0;
         if bytes == 0 {
             self.flush();
             return Ok(Bytes::default());

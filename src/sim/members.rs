@@ -25,12 +25,14 @@ pub(crate) trait Members {
         out: &mut [Evaluation],
     ) -> impl Future<Output = Result<()>>;
 
-    /// What the states that the step ends with tell of every `wanted` member.
+    /// What the states that the step ends with tell of every `wanted` member. Where `late` is set, it may be what the step
+    /// before ended with, which is known sooner; it is cleared where it is not.
     fn end_step(
         &mut self,
         states: &[State],
         wanted: &[bool],
         out: &mut [StepEnd],
+        late: &mut [bool],
     ) -> impl Future<Output = Result<()>>;
 
     /// E(state) − E(base) of each trial.
@@ -71,7 +73,9 @@ impl<P: Potential> Members for P {
         states: &[State],
         wanted: &[bool],
         out: &mut [StepEnd],
+        late: &mut [bool],
     ) -> impl Future<Output = Result<()>> {
+        late.fill(false);
         Potential::end_step(self, states, wanted, out)
     }
 

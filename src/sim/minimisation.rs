@@ -10,6 +10,25 @@ use crate::{Error, Result};
 /// Lever at which a rotation counts as a length, m.
 const ROTATION_LEVER: f64 = 0.1;
 
+/// What the skeleton says of the bones that a step ends with.
+#[derive(Debug)]
+pub(super) struct SkeletonEnd {
+    /// E(q) − E(qⁿ).
+    energies: SkeletonEnergies,
+    /// ∂E/∂(c, ω) of every frame.
+    frame_gradient: Vec<f64>,
+}
+
+impl SkeletonEnd {
+    /// Room for `frames` frames.
+    pub fn new(frames: usize) -> Self {
+        Self {
+            energies: SkeletonEnergies::default(),
+            frame_gradient: vec![0.0; 6 * frames],
+        }
+    }
+}
+
 /// One instance's minimisation of E in a step: its problem, and how far it has got.
 pub(super) struct Minimisation {
     /// The skeleton's terms of this step.
@@ -86,13 +105,21 @@ impl Minimisation {
         Ok(())
     }
 
-    /// Reports on the state that the step ends with, its bones at `frames`, of which the tissue says `end`.
-    pub fn end(&mut self, frames: &[Frame], end: &StepEnd) {
+    /// What the skeleton says of bones that the step ends with at `frames`.
+    pub fn skeleton_end(&self, frames: &[Frame], out: &mut SkeletonEnd) {
+        out.energies = self.skeleton.difference(&self.current.frames, frames);
+        out.frame_gradient.fill(0.0);
+        self.skeleton.add_gradient(frames, &mut out.frame_gradient);
+    }
+
+    /// Reports on the state that a step ends with, of which skeleton and tissue say this.
+    pub fn end(&mut self, skeleton: &SkeletonEnd, end: &StepEnd) {
         self.frame_gradient.clone_from(&end.frame_gradient);
-        self.skeleton.add_gradient(frames, &mut self.frame_gradient);
+        let sums = self.frame_gradient.iter_mut();
+        (sums.zip(&skeleton.frame_gradient)).for_each(|(sum, of_skeleton)| *sum += of_skeleton);
         let report = &mut self.report;
         report.energies = end.energies;
-        report.skeleton_energies = self.skeleton.difference(&self.current.frames, frames);
+        report.skeleton_energies = skeleton.energies;
         report.contact_force = end.contact_force;
         report.contacts = end.contacts;
         report.contacts_left_out = end.contacts_left_out;

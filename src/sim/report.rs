@@ -77,7 +77,8 @@ pub struct InstanceReport {
     pub geometric_dropped: usize,
     /// E(q) − E(qⁿ), J. This and what follows is of the state that the step ends with where a bone is pinned or
     /// [`Settings::report_at_end`](super::Settings::report_at_end) is set, else of the iterate that was evaluated last: after
-    /// one iteration that is the prediction, whose contacts may be far from those of the end.
+    /// one iteration that is the prediction, whose contacts may be far from those of the end. A [`World`](crate::World) on the
+    /// GPU says it of the step before.
     pub energies: Energies,
     /// The same of the skeleton's terms.
     pub skeleton_energies: SkeletonEnergies,

@@ -75,8 +75,12 @@ pub struct Settings {
     /// converged run at most instead of 0.017 mm; where bones are prescribed, as in `bone_press_s` (7.38 iterations
     /// either way), they change nothing. On the GPU they cost a readback of the contacts and an assembly on the CPU.
     pub geometric_contact: bool,
-    /// Whether reports are of the state that a step ends with also where no bone is pinned; where one is, they are. Off by
-    /// default: on the CPU it costs a tenth of the sample hand's step (0.25 to 0.4 ms), on the GPU a submission and a readback.
+    /// Whether reports are of the state that a step ends with also where no bone is pinned; where one is, they are. It costs
+    /// an evaluation without second derivatives (on the CPU 0.25 to 0.4 ms of the sample hand's step), and a [`Simulation`]
+    /// on the GPU a submission and a readback, so that it is off by default; a [`World`](crate::World), where it costs
+    /// neither of these, has it on.
+    ///
+    /// [`Simulation`]: super::Simulation
     pub report_at_end: bool,
 }
 

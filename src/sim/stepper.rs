@@ -65,7 +65,7 @@ impl Stepper {
         };
         let minimisations: Vec<_> = members.map(minimisation).collect();
         Self {
-            ends: StepEnds::new(minimisations.len()),
+            ends: StepEnds::new(minimisations.iter().map(|m| m.current.frames.len())),
             newton: Newton::new(minimisations, systems),
             starts: Vec::new(),
             pinned: Vec::new(),
@@ -134,6 +134,11 @@ impl Stepper {
         minimisation.fixed[6 * frame..6 * frame + 6].fill(true);
     }
 
+    /// The next report on a member is not of an earlier step.
+    pub fn forget_end(&mut self, member: usize) {
+        self.ends.forget(member);
+    }
+
     /// Gives a link's frame the place of its body, in prediction and fall-back.
     pub fn follow_body(&mut self, link: &Link) {
         for iterates in [&mut self.newton.iterates, &mut self.newton.fallbacks] {
@@ -182,6 +187,7 @@ impl Stepper {
         let watch = Stopwatch::start();
         members.pose_skin(&newton.iterates.states).await?;
         timings.skin = watch.ms();
+        self.ends.keep();
         Ok(())
     }
 
@@ -209,8 +215,8 @@ impl Stepper {
         });
     }
 
-    /// The force that a link's member exerts on its body in the state that the step ended with, N; none where nobody asked
-    /// for that state.
+    /// The force that a link's member exerts on its body in the state that its report is of, N; none where that is not the
+    /// end of a step.
     pub fn push(&self, link: &Link) -> Option<DVec3> {
         let gradient = &self.newton.minimisations[link.member].frame_gradient;
         let asked = self.newton.active[link.member] && self.pinned[link.member];

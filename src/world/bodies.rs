@@ -53,8 +53,9 @@ impl World {
         Ok((instance.previous.frames[0], instance.state.frames[0]))
     }
 
-    /// What the last step said of a body. Its contact force is what colliders exert on it, and avatars: those of which a bone
-    /// is driven, or all where [`Settings::report_at_end`](crate::sim::Settings::report_at_end) is set, as it is on the CPU.
+    /// What the last step said of a body. Its contact force is what colliders and avatars exert on it; that of avatars on
+    /// the GPU is one step late, as their reports are, and that of avatars without driven bones is left out where
+    /// [`Settings::report_at_end`](crate::sim::Settings::report_at_end) has been switched off.
     ///
     /// # Errors
     /// A key of none.

@@ -94,7 +94,8 @@ impl Character {
         self.driving
     }
 
-    /// What the last step said of it.
+    /// What the last step said of it. On the GPU its energies, contacts and loads of pins are of where the step before
+    /// ended, except after the first step: so that nobody waits for them, they come with the next step's results.
     pub fn report(&self) -> &InstanceReport {
         &self.report
     }

@@ -70,8 +70,7 @@ impl World {
         let opened = backend.open().await?;
         Ok(Self {
             settings: Settings {
-                // On a GPU it costs a readback more.
-                report_at_end: matches!(opened, Opened::Cpu),
+                report_at_end: true,
                 ..Settings::default()
             },
             opened,

@@ -6,8 +6,10 @@
 use super::backend::Evaluator;
 #[cfg(feature = "gpu")]
 use super::gpu::Shared;
+#[cfg(feature = "gpu")]
+use super::late_ends::LateEnds;
+use super::trials::OwnTrials;
 use crate::Result;
-use crate::math::recycled;
 use crate::model::State;
 #[cfg(feature = "gpu")]
 use crate::potential::GpuRecorder;
@@ -18,62 +20,35 @@ use crate::sim::Members;
 use std::ops::Range;
 
 /// What evaluates one asset's instances, which are consecutive members.
-struct Batch {
-    evaluator: Evaluator,
-    members: Range<usize>,
-    /// Memory of an energy difference: the asset's trials, which they are of all, and their results.
-    trials: Vec<Trial<'static>>,
-    places: Vec<usize>,
-    differences: Vec<f64>,
-    /// Those of the trials that the device is asked about.
+pub(super) struct AssetEvaluator {
+    pub evaluator: Evaluator,
+    pub members: Range<usize>,
+    pub trials: OwnTrials,
     #[cfg(feature = "gpu")]
-    asked: Range<usize>,
+    pub ends: LateEnds,
 }
 
-impl Batch {
-    /// Finds the asset's own among all `trials`.
-    fn find(&mut self, trials: &[Trial<'_>]) {
-        self.places.clear();
-        let own = |k: &usize| self.members.contains(&trials[*k].instance);
-        self.places.extend((0..trials.len()).filter(own));
-        self.differences.clear();
-        self.differences.resize(self.places.len(), 0.0);
-    }
-
-    /// The asset's own from the `first` on, in memory to be given back.
-    fn own_trials<'a>(&mut self, trials: &[Trial<'a>], first: usize) -> Vec<Trial<'a>> {
-        let mut own: Vec<Trial<'a>> = recycled(std::mem::take(&mut self.trials));
-        own.extend(self.places[first..].iter().map(|&k| Trial {
-            instance: trials[k].instance - self.members.start,
-            ..trials[k]
-        }));
-        own
-    }
-}
-
-/// The evaluators of all assets, in one order with their batches.
+/// The evaluators of all assets, in the world's order.
 #[derive(Default)]
 pub(super) struct Evaluators {
-    list: Vec<Batch>,
+    pub(super) list: Vec<AssetEvaluator>,
     /// The asset of each member.
     asset_of: Vec<usize>,
     /// Where any is on the GPU.
     #[cfg(feature = "gpu")]
-    shared: Option<Shared>,
+    pub(super) shared: Option<Shared>,
 }
 
 impl Evaluators {
     pub fn insert(&mut self, asset: usize, evaluator: Evaluator) {
-        let batch = Batch {
+        let evaluator = AssetEvaluator {
             evaluator,
             members: 0..0,
-            trials: Vec::new(),
-            places: Vec::new(),
-            differences: Vec::new(),
+            trials: OwnTrials::default(),
             #[cfg(feature = "gpu")]
-            asked: 0..0,
+            ends: LateEnds::default(),
         };
-        self.list.insert(asset, batch);
+        self.list.insert(asset, evaluator);
     }
 
     pub fn replace(&mut self, asset: usize, evaluator: Evaluator) {
@@ -93,24 +68,26 @@ impl Evaluators {
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &Evaluator> {
-        self.list.iter().map(|batch| &batch.evaluator)
+        self.list.iter().map(|asset| &asset.evaluator)
     }
 
     /// Numbers the members anew, so many of each asset, and makes room for what is read back of them.
     pub fn number(&mut self, counts: impl Iterator<Item = usize>) -> Result<()> {
         #[cfg(feature = "gpu")]
         {
-            let potentials = self.list.iter().filter_map(|batch| match &batch.evaluator {
+            let potentials = self.list.iter().filter_map(|asset| match &asset.evaluator {
                 Evaluator::Cpu(_) => None,
                 Evaluator::Gpu(potential) => Some(&**potential),
             });
             self.shared = Shared::with_room(self.shared.take(), potentials)?;
         }
         self.asset_of.clear();
-        for (asset, (batch, count)) in self.list.iter_mut().zip(counts).enumerate() {
+        for (i, (asset, count)) in self.list.iter_mut().zip(counts).enumerate() {
             let first = self.asset_of.len();
-            batch.members = first..first + count;
-            (self.asset_of).extend(std::iter::repeat_n(asset, count));
+            asset.members = first..first + count;
+            #[cfg(feature = "gpu")]
+            asset.ends.set_count(count);
+            (self.asset_of).extend(std::iter::repeat_n(i, count));
         }
         Ok(())
     }
@@ -140,13 +117,13 @@ impl Evaluators {
 
 /// Those on the CPU of which any member is `wanted`, with their members.
 fn on_cpu<'a>(
-    list: &'a mut [Batch],
+    list: &'a mut [AssetEvaluator],
     wanted: &'a [bool],
 ) -> impl Iterator<Item = (&'a mut CpuPotential, Range<usize>)> {
-    list.iter_mut().filter_map(|batch| {
-        let range = batch.members.clone();
+    list.iter_mut().filter_map(|asset| {
+        let range = asset.members.clone();
         let any = wanted[range.clone()].contains(&true);
-        let potential = batch.evaluator.on_cpu().filter(|_| any)?;
+        let potential = asset.evaluator.on_cpu().filter(|_| any)?;
         Some((potential, range))
     })
 }
@@ -154,13 +131,13 @@ fn on_cpu<'a>(
 /// Those on the GPU of which any member is `wanted`, with their members.
 #[cfg(feature = "gpu")]
 fn on_gpu<'a>(
-    list: &'a mut [Batch],
+    list: &'a mut [AssetEvaluator],
     wanted: &'a [bool],
 ) -> impl Iterator<Item = (&'a mut GpuRecorder, Range<usize>)> {
-    list.iter_mut().filter_map(|batch| {
-        let range = batch.members.clone();
+    list.iter_mut().filter_map(|asset| {
+        let range = asset.members.clone();
         let any = wanted[range.clone()].contains(&true);
-        let potential = batch.evaluator.on_gpu().filter(|_| any)?;
+        let potential = asset.evaluator.on_gpu().filter(|_| any)?;
         Some((potential.recorder(), range))
     })
 }
@@ -209,7 +186,7 @@ impl Members for Evaluators {
         }
         #[cfg(feature = "gpu")]
         if let Some(shared) = &mut self.shared {
-            let bytes = shared.read().await?;
+            let bytes = shared.read(&mut self.list).await?;
             for (recorder, range) in on_gpu(&mut self.list, wanted) {
                 let states = &states[range.clone()];
                 recorder.finish_evaluate(&bytes, states, &mut out[range])?;
@@ -218,60 +195,28 @@ impl Members for Evaluators {
         Ok(())
     }
 
+    /// Waits for nothing on the GPU where all that is asked of it may be late and is known.
     async fn end_step(
         &mut self,
         states: &[State],
         wanted: &[bool],
         out: &mut [StepEnd],
+        late: &mut [bool],
     ) -> Result<()> {
         #[cfg(feature = "gpu")]
-        if let Some(shared) = &mut self.shared {
-            let submission = shared.begin();
-            for (recorder, range) in on_gpu(&mut self.list, wanted) {
-                let (states, wanted) = (&states[range.clone()], &wanted[range]);
-                recorder.record_end_step(states, wanted, submission)?;
-            }
-            submission.flush();
-        }
+        let waits = self.record_end_step(states, wanted, late)?;
         for (potential, range) in on_cpu(&mut self.list, wanted) {
+            late[range.clone()].fill(false);
             let (states, wanted) = (&states[range.clone()], &wanted[range.clone()]);
             Potential::end_step(potential, states, wanted, &mut out[range]).await?;
         }
         #[cfg(feature = "gpu")]
-        if let Some(shared) = &mut self.shared {
-            let bytes = shared.read().await?;
-            for (recorder, range) in on_gpu(&mut self.list, wanted) {
-                recorder.finish_end_step(&bytes, &mut out[range])?;
-            }
-        }
+        self.tell_ends(wanted, waits, out, late).await?;
         Ok(())
     }
 
     async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
-        self.list.iter_mut().for_each(|batch| batch.find(trials));
-        #[cfg(feature = "gpu")]
-        let mut more = self.record_differences(trials, true)?;
-        for batch in &mut self.list {
-            if batch.places.is_empty() || batch.evaluator.on_cpu().is_none() {
-                continue;
-            }
-            let own = batch.own_trials(trials, 0);
-            if let Some(potential) = batch.evaluator.on_cpu() {
-                Potential::energy_differences(potential, &own, &mut batch.differences).await?;
-            }
-            batch.trials = recycled(own);
-        }
-        #[cfg(feature = "gpu")]
-        while more {
-            self.read_differences().await?;
-            more = self.record_differences(trials, false)?;
-        }
-        for batch in &self.list {
-            for (&k, difference) in batch.places.iter().zip(&batch.differences) {
-                out[k] = *difference;
-            }
-        }
-        Ok(())
+        self.compare(trials, out).await
     }
 
     /// Only submits on the GPU: who draws from there needs to wait for nothing.
@@ -279,9 +224,9 @@ impl Members for Evaluators {
         #[cfg(feature = "gpu")]
         if let Some(shared) = &mut self.shared {
             let submission = shared.begin();
-            for batch in &mut self.list {
-                let states = &states[batch.members.clone()];
-                if let Some(potential) = batch.evaluator.on_gpu()
+            for asset in &mut self.list {
+                let states = &states[asset.members.clone()];
+                if let Some(potential) = asset.evaluator.on_gpu()
                     && !states.is_empty()
                 {
                     potential.recorder().record_pose_skin(states, submission)?;
@@ -289,60 +234,12 @@ impl Members for Evaluators {
             }
             submission.flush();
         }
-        for batch in &mut self.list {
-            let states = &states[batch.members.clone()];
-            if let Some(potential) = batch.evaluator.on_cpu()
+        for asset in &mut self.list {
+            let states = &states[asset.members.clone()];
+            if let Some(potential) = asset.evaluator.on_cpu()
                 && !states.is_empty()
             {
                 Potential::pose_skin(potential, states).await?;
-            }
-        }
-        Ok(())
-    }
-}
-
-#[cfg(feature = "gpu")]
-impl Evaluators {
-    /// Sends as many of the trials that are left (all at first) as there is room for; whether there are any.
-    fn record_differences(&mut self, trials: &[Trial<'_>], first: bool) -> Result<bool> {
-        let Some(shared) = &mut self.shared else {
-            return Ok(false);
-        };
-        let submission = shared.begin();
-        let mut any = false;
-        for batch in &mut self.list {
-            let done = if first { 0 } else { batch.asked.end };
-            batch.asked = done..done;
-            if done == batch.places.len() || batch.evaluator.on_gpu().is_none() {
-                continue;
-            }
-            let own = batch.own_trials(trials, done);
-            if let Some(potential) = batch.evaluator.on_gpu() {
-                let recorder = potential.recorder();
-                let count = recorder.record_energy_differences(&own, submission)?;
-                batch.asked = done..done + count;
-                any |= count > 0;
-            }
-            batch.trials = recycled(own);
-        }
-        submission.flush();
-        Ok(any)
-    }
-
-    /// The answers to them.
-    async fn read_differences(&mut self) -> Result<()> {
-        let Some(shared) = &mut self.shared else {
-            return Ok(());
-        };
-        let bytes = shared.read().await?;
-        for batch in &mut self.list {
-            if let Some(potential) = batch.evaluator.on_gpu()
-                && !batch.asked.is_empty()
-            {
-                let out = &mut batch.differences[batch.asked.clone()];
-                potential
-                    .recorder()
-                    .finish_energy_differences(&bytes, out)?;
             }
         }
         Ok(())

@@ -1,7 +1,8 @@
 //! What a world's evaluators on the GPU share: the kernels, compiled once a material law, and one submission a question.
 
+use super::evaluators::AssetEvaluator;
 use crate::Result;
-use crate::gpu::Submission;
+use crate::gpu::{Bytes, Submission};
 use crate::material::Material;
 use crate::math::Stopwatch;
 use crate::model::Avatar;
@@ -105,17 +106,19 @@ impl Shared {
         }))
     }
 
-    /// Before a question is recorded: one that failed or was dropped is forgotten.
+    /// Before a question is recorded: one that failed or was dropped is forgotten, save a step's end.
     pub fn begin(&mut self) -> &mut Submission {
         self.submission.cancel_reads();
         &mut self.submission
     }
 
-    /// All that was read back.
-    pub async fn read(&mut self) -> Result<crate::gpu::Bytes<'_>> {
+    /// All that was read back, after each asset has taken what there is of a step's end.
+    pub async fn read(&mut self, assets: &mut [AssetEvaluator]) -> Result<Bytes<'_>> {
+        assets.iter_mut().for_each(AssetEvaluator::await_end);
         let clock = Stopwatch::start();
         let bytes = self.submission.read().await?;
         self.readback += clock.ms();
+        assets.iter_mut().for_each(|asset| asset.take_end(&bytes));
         Ok(bytes)
     }
 }

@@ -8,6 +8,8 @@
 //! | `backend` | where the tissue is evaluated, and what evaluates one asset |
 //! | `gpu` | what the evaluators on a GPU share |
 //! | `evaluators` | all assets as a step sees them |
+//! | `trials` | energy differences of any of them |
+//! | `late_ends` | what their steps end with on the GPU |
 //! | `character` | one avatar in the world |
 //! | `driving` | what drives it |
 //! | `pose_springs` | what keeps its bind pose where nothing does |
@@ -31,12 +33,15 @@ mod evaluators;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod keys;
+#[cfg(feature = "gpu")]
+mod late_ends;
 mod meetings;
 mod near;
 mod pose_springs;
 mod skins;
 mod snapshot;
 mod step;
+mod trials;
 
 pub use backend::Backend;
 pub use character::{Character, Driving};

@@ -110,7 +110,10 @@ impl World {
         for batch in &self.batches {
             let begun = stepper.begin(batch.members(), &batch.physics, &batch.characters);
             begun.map_err(|e| e.within(&batch.avatar.name))?;
-            for member in batch.members() {
+            for (member, character) in batch.members().zip(&batch.characters) {
+                if character.fresh {
+                    stepper.forget_end(member);
+                }
                 for slot in 0..batch.avatar.body_slots {
                     let frame = batch.avatar.bones() + slot;
                     if !links.iter().any(|l| l.member == member && l.frame == frame) {

@@ -43,12 +43,12 @@ buffers! {
         one_ring_rows: u32 = holding(tables.one_ring.offsets()),
         one_ring_edges: [u32; 2] = holding(tables.one_ring.entries()),
         // Written by the host.
-        batch: BatchState = zeroed(n.slots),
-        pose_features: f32 = zeroed(n.slots * n.features),
+        batch: BatchState = zeroed(n.uploads),
+        pose_features: f32 = zeroed(n.uploads * n.features),
         /// A bit for each frame, of the states: starts have no derivatives.
         prescribed: u32 = zeroed(n.states * n.frame_words),
-        frames: Frame = zeroed(n.slots * n.bones),
-        handles: Handle = zeroed(n.slots * n.handles),
+        frames: Frame = zeroed(n.uploads * n.bones),
+        handles: Handle = zeroed(n.uploads * n.handles),
         colliders: Collider = zeroed(n.instances * n.colliders),
         previous_colliders: Collider = zeroed(n.instances * n.colliders),
         // By slot.

@@ -2,7 +2,7 @@
 //! derivatives need. It reads back some hundred bytes a frame.
 
 use super::evaluate::{energies, float, is_sound};
-use super::recorder::Recorder;
+use super::recorder::{Recorder, part};
 use super::shared::Summary;
 use super::stage::Stage;
 use crate::gpu::Submission;
@@ -23,15 +23,18 @@ impl Recorder {
         wanted: &[bool],
         submission: &mut Submission,
     ) -> Result<()> {
+        self.ends = 0..0;
         self.push_states(states, wanted)?;
+        self.ended.clear();
+        self.ended.extend(self.batch.iter().map(|s| s.instance));
         let count = self.batch.len();
         if count == 0 {
             return Ok(());
         }
         let summary_bytes = (count * size_of::<Summary>()) as u64;
-        let gradient_bytes = self.frame_gradient_bytes() as u64;
+        let gradient_bytes = self.buffers.sizes.frame_gradient_bytes() as u64;
         let room = submission.reserve(summary_bytes + count as u64 * gradient_bytes)?;
-        self.results = room.start as usize..room.end as usize;
+        self.ends = room.start as usize..room.end as usize;
         self.claim_states(submission);
         self.upload_states(self.starts.len());
         self.upload_batch(0);
@@ -64,21 +67,21 @@ impl Recorder {
     /// [`Error::NotFinite`]; [`Error::Invalid`] where `bytes` or `out` are others.
     pub fn finish_end_step(&mut self, bytes: &[u8], out: &mut [StepEnd]) -> Result<()> {
         self.checks.count("out", out.len())?;
-        let bytes = self.own(bytes)?;
+        let bytes = part(bytes, &self.ends)?;
         if bytes.is_empty() {
             return Ok(());
         }
-        let (summaries, gradients) = bytes.split_at(self.batch.len() * size_of::<Summary>());
+        let (summaries, gradients) = bytes.split_at(self.ended.len() * size_of::<Summary>());
         if !gradients.chunks_exact(4).all(|b| is_sound(float(b))) {
             return Err(Error::NotFinite {
                 quantity: "gradient of the tissue by frames",
             });
         }
         let summaries = summaries.chunks_exact(size_of::<Summary>());
-        let gradients = gradients.chunks_exact(self.frame_gradient_bytes());
-        for ((state, summary), gradient) in self.batch.iter().zip(summaries).zip(gradients) {
+        let gradients = gradients.chunks_exact(self.buffers.sizes.frame_gradient_bytes());
+        for ((&instance, summary), gradient) in self.ended.iter().zip(summaries).zip(gradients) {
             let summary: Summary = bytemuck::pod_read_unaligned(summary);
-            let end = &mut out[state.instance as usize];
+            let end = &mut out[instance as usize];
             end.energies = energies(&summary)?;
             end.contact_force = Vec3::from_array(summary.energy.force).as_dvec3();
             end.contacts = summary.contacts as usize;
@@ -88,10 +91,5 @@ impl Recorder {
             end.frame_gradient.extend(numbers);
         }
         Ok(())
-    }
-
-    /// Bytes of a state's gradient by frames.
-    fn frame_gradient_bytes(&self) -> usize {
-        4 * 6 * self.buffers.sizes.bones
     }
 }

@@ -1,6 +1,5 @@
 //! The posed skin on the GPU.
 
-use super::dispatch::Batch;
 use super::recorder::Recorder;
 use super::shared::BatchState;
 use super::stage::Stage;
@@ -19,12 +18,13 @@ impl Recorder {
         submission: &mut Submission,
     ) -> Result<()> {
         self.checks.poses(states)?;
-        let instances = self.starts.len();
+        let (instances, sizes) = (self.starts.len(), self.buffers.sizes);
+        let first = sizes.slots;
         self.clear_uploads();
         for (i, state) in states.iter().enumerate() {
             let batch_state = BatchState {
                 instance: i as u32,
-                slot: (instances + i) as u32,
+                slot: (first + i) as u32,
                 ..BatchState::default()
             };
             if !self.push_state(batch_state, state, state, state.frames[0].position) {
@@ -41,10 +41,10 @@ impl Recorder {
             let own = &self.features[i * features..(i + 1) * features];
             self.posed_features[i].extend_from_slice(own);
         }
-        self.claim_states(submission);
-        self.upload_states(instances);
-        self.upload_batch(0);
-        let batch = Batch::whole(instances);
+        self.claim_poses(submission);
+        self.upload_states(first);
+        self.upload_batch(first);
+        let batch = sizes.poses();
         self.dispatch(submission, |stages, pass| {
             stages.pose_blend.dispatch_posed_skin(pass, batch);
             stages.skin.dispatch(pass, batch);

@@ -34,7 +34,8 @@ pub(super) struct Start {
 /// Records the stages for a batch of avatars into submissions, and unpacks what they bring back.
 ///
 /// Each `record_*` checks, uploads, and records into a [`Submission`], which may be others' as well; each `finish_*` takes
-/// all bytes that the submission read back, and finds its own in them. Between the two no other is recorded.
+/// all bytes that the submission read back, and finds its own in them. Between the two no other is recorded, save that a
+/// step's end may be read back with the first results of the next step.
 #[derive(Debug)]
 pub struct Recorder {
     pub(super) queue: wgpu::Queue,
@@ -54,11 +55,16 @@ pub struct Recorder {
     pub(super) skin_origins: Vec<DVec3>,
     /// Pose features of each instance's posed skin; empty before it is posed.
     pub(super) posed_features: Vec<Vec<f32>>,
-    /// The recordings in which the starts' and the states' parts of the uploads were last written.
+    /// The recordings in which the parts of the uploads were last written: the starts', the states', and that of the
+    /// states that are posed.
     starts_recording: u64,
     states_recording: u64,
+    poses_recording: u64,
     /// Where its results are among all that the submission reads back.
     pub(super) results: Range<usize>,
+    /// Likewise of a step's end, which may come back with the next step's first results, and whose they are.
+    pub(super) ends: Range<usize>,
+    pub(super) ended: Vec<u32>,
     /// Longest φ that is sent to the device, m.
     pub(super) longest_handle: f32,
     // What the next submission uploads; kept to spare allocations.
@@ -98,7 +104,10 @@ impl Recorder {
             posed_features: vec![Vec::new(); instances],
             starts_recording: 0,
             states_recording: 0,
+            poses_recording: 0,
             results: 0..0,
+            ends: 0..0,
+            ended: Vec::with_capacity(instances),
             longest_handle: tables.longest_handle(),
             batch: Vec::with_capacity(sizes.states),
             frames: Vec::with_capacity(buffers.common.frames.len()),
@@ -159,6 +168,11 @@ impl Recorder {
         claim(&mut self.states_recording, submission);
     }
 
+    /// Before the part of the uploads is written that is posed: what waits for its last contents is sent.
+    pub(super) fn claim_poses(&mut self, submission: &mut Submission) {
+        claim(&mut self.poses_recording, submission);
+    }
+
     /// Records dispatches.
     pub(super) fn dispatch(
         &self,
@@ -181,9 +195,14 @@ impl Recorder {
 
     /// Its own results among all `bytes` that were read back.
     pub(super) fn own<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8]> {
-        let problem = "are not those of the submission that it was recorded into";
-        (bytes.get(self.results.clone())).ok_or_else(|| Error::invalid("bytes", problem))
+        part(bytes, &self.results)
     }
+}
+
+/// A `range` of all `bytes` that were read back.
+pub(super) fn part<'a>(bytes: &'a [u8], range: &Range<usize>) -> Result<&'a [u8]> {
+    let problem = "are not those of the submission that it was recorded into";
+    (bytes.get(range.clone())).ok_or_else(|| Error::invalid("bytes", problem))
 }
 
 /// What the host writes takes effect before the whole recording that is open: `region` is written once in each.

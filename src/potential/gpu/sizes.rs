@@ -20,8 +20,10 @@ pub(super) struct Sizes {
     pub states: usize,
     /// States that one dispatch takes where scratch memory is needed.
     pub chunk_size: usize,
-    /// Places for a state's numbers: first every instance's start, then the states.
+    /// Places for what is computed of a state: first every instance's start, then the states.
     pub slots: usize,
+    /// Places for a state: the slots, then every instance's state that is posed.
+    pub uploads: usize,
     /// Cubature points.
     pub points: usize,
     /// Vertices of the skin.
@@ -85,6 +87,7 @@ impl Sizes {
             states,
             chunk_size: instances.min((room / scratch) as usize).max(1),
             slots: instances.saturating_add(states),
+            uploads: states.saturating_add(instances.saturating_mul(2)),
             points,
             vertices,
             bones: space.frames,
@@ -136,10 +139,25 @@ impl Sizes {
         }
     }
 
-    /// Bytes that one question reads back at most.
+    /// Every instance's state that is posed: their places are behind those of the starts.
+    pub fn poses(&self) -> Batch {
+        Batch {
+            chunk: self.states.div_ceil(self.chunk_size) as u32 + 1,
+            states: self.instances as u32,
+        }
+    }
+
+    /// Bytes that one question reads back at most, and the end of the step before with it.
     pub fn room_to_read(&self) -> u64 {
         let results = 4 * self.result + self.contact_bytes();
-        (self.states * size_of::<Summary>() + self.instances * results) as u64
+        let question = self.states * size_of::<Summary>() + self.instances * results;
+        let end = self.instances * (size_of::<Summary>() + self.frame_gradient_bytes());
+        (question + end) as u64
+    }
+
+    /// Bytes of a state's gradient by frames.
+    pub fn frame_gradient_bytes(&self) -> usize {
+        4 * 6 * self.bones
     }
 
     /// What kernels over the cubature points know.
@@ -177,10 +195,11 @@ impl Sizes {
         (1 + self.rows) * size_of::<Contact>()
     }
 
-    /// The first state of every chunk, and the first start, padded to [`CHUNK_STRIDE`].
+    /// The first state of every chunk, the first start and the first that is posed, padded to [`CHUNK_STRIDE`].
     pub fn chunks(&self) -> Vec<[u32; CHUNK_STRIDE as usize / 4]> {
         let first = (0..self.states).step_by(self.chunk_size);
-        let padded = first.chain([self.states]).map(|first| {
+        let behind = [self.states, self.states + self.instances];
+        let padded = first.chain(behind).map(|first| {
             let mut words = [0; CHUNK_STRIDE as usize / 4];
             words[0] = first as u32;
             words

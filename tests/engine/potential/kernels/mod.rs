@@ -39,6 +39,8 @@ pub const CHECKS: &[Check] = &[
 pub const INSTANCE: usize = 1;
 /// Instances of the batch.
 pub const INSTANCES: usize = 2;
+/// States of a batch besides the starts: trials and their bases.
+pub const STATES: usize = 4;
 
 impl Phase {
     /// Slot of the looked-at state.
@@ -46,7 +48,9 @@ impl Phase {
         match self {
             // The trial is the first state after the starts.
             Self::Compared => INSTANCES,
-            Self::Evaluated | Self::Posed => INSTANCES + INSTANCE,
+            Self::Evaluated => INSTANCES + INSTANCE,
+            // What is posed has slots of its own at the end.
+            Self::Posed => INSTANCES + STATES + INSTANCE,
         }
     }
 }

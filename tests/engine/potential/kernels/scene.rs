@@ -1,7 +1,7 @@
 //! A seeded random scene run on the device, and everything its kernels read and wrote.
 
 use super::input::{avatar, colliders, reach, rounded_collider};
-use super::{INSTANCE, INSTANCES};
+use super::{INSTANCE, INSTANCES, STATES};
 use bytemuck::AnyBitPattern;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -130,6 +130,7 @@ impl Scene {
         let options = GpuOptions {
             colliders: OPTIONS_COLLIDERS,
             contacts: OPTIONS_CONTACTS,
+            trials: STATES / 2,
             ..GpuOptions::default()
         };
         let (device, queue) = (&gpu.device, &gpu.queue);
@@ -259,12 +260,13 @@ impl Scene {
             .collect()
     }
 
-    /// The looked-at instance's pose features, `count` of them. The starts of a step are the last of a batch.
+    /// The looked-at instance's pose features, `count` of them. In a batch the starts of a step come behind its states, and
+    /// what is posed behind the starts.
     pub fn pose_features(&self, phase: Phase, count: usize) -> Vec<f32> {
-        let places = self.buffers[&(phase, "pose_features")].len() / (4 * count.max(1));
         let index = match phase {
-            Phase::Evaluated => places - INSTANCES + INSTANCE,
-            Phase::Compared | Phase::Posed => INSTANCE,
+            Phase::Evaluated => STATES + INSTANCE,
+            Phase::Compared => INSTANCE,
+            Phase::Posed => STATES + INSTANCES + INSTANCE,
         };
         self.items(phase, "pose_features", index, count)
     }
