@@ -10,7 +10,7 @@ use supple::internal::cpu::{min_det_f, skin_displacement};
 use supple::model::{Avatar, Frame, State};
 use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
-use supple_bake::{HandlePlace, HandleRegion, Recipe, Truncation, bake};
+use supple_bake::{HandleCandidates, HandleRegion, Recipe, Truncation, bake};
 use supple_pictures::Curves;
 use supple_samples::Limb;
 use supple_scene::{Scene, SceneRun};
@@ -184,20 +184,20 @@ impl<'a> Mesh<'a> {
             }
         }
         let mut rows = Vec::new();
-        for place in [HandlePlace::Skin, HandlePlace::Volume] {
+        for candidates in [HandleCandidates::Skin, HandleCandidates::Volume] {
             for truncation in [Truncation::default(), LOOSE, Truncation::OFF] {
-                let of_place = match place {
-                    HandlePlace::Skin => "skin",
+                let of_candidates = match candidates {
+                    HandleCandidates::Skin => "skin",
                     _ => "volume",
                 };
-                let line = format!("{of_place}, {}", kept(truncation));
+                let line = format!("{of_candidates}, {}", kept(truncation));
                 let (mut of_error, mut of_time) = (Vec::new(), Vec::new());
                 for &count in counts {
                     // Whole columns at hundreds of handles are seconds a step.
                     if truncation == Truncation::OFF && count > 160 {
                         continue;
                     }
-                    let avatar = self.reduced(place, count, truncation)?;
+                    let avatar = self.reduced(candidates, count, truncation)?;
                     let pressed = press(&avatar, &DEPTHS)?;
                     let error = 100.0 * relative_error(&pressed.displacement, self.skin());
                     let ms = step_ms(&avatar, &pressed.state)?;
@@ -205,7 +205,7 @@ impl<'a> Mesh<'a> {
                     of_time.push((count as f64, ms));
                     rows.push(vec![
                         count.to_string(),
-                        of_place.into(),
+                        of_candidates.into(),
                         kept(truncation).into(),
                         format!("{error:.1} %"),
                         format!("{ms:.2}"),
@@ -213,7 +213,7 @@ impl<'a> Mesh<'a> {
                         format!("{:.3}", min_det_f(&avatar.layer, &pressed.state)),
                     ]);
                 }
-                if place == HandlePlace::Volume {
+                if candidates == HandleCandidates::Volume {
                     let [first, last] = [of_error[0].1, of_error[of_error.len() - 1].1];
                     page.check(
                         format!("{name}: error of the most handles over the fewest, {line}"),
@@ -242,19 +242,19 @@ impl<'a> Mesh<'a> {
 
     fn reduced(
         &self,
-        place: HandlePlace,
+        candidates: HandleCandidates,
         count: usize,
         truncation: Truncation,
     ) -> Result<Arc<Avatar>> {
         let few = count / 5;
         let within = HandleRegion {
-            place,
+            candidates,
             within: Some(REGION),
             count: Some(count - few),
             ..HandleRegion::default()
         };
         let elsewhere = HandleRegion {
-            place,
+            candidates,
             count: Some(few),
             ..HandleRegion::default()
         };

@@ -7,7 +7,8 @@ use supple::Result;
 use supple::internal::cpu::min_det_f;
 use supple::material::{Material, Orthotropic};
 use supple_bake::{
-    CubatureMethod, CubatureRecipe, HandlePlace, HandleRegion, Recipe, Sampling, Truncation, bake,
+    CubatureMethod, CubatureRecipe, HandleCandidates, HandleRegion, Recipe, Sampling, Truncation,
+    bake,
 };
 use supple_pictures::Curves;
 use supple_samples::Limb;
@@ -205,7 +206,7 @@ fn recipe(handles: usize, material: Option<Material>, points: Option<(Sampling, 
     Recipe {
         material: material.or(tissue.material),
         handles: vec![HandleRegion {
-            place: HandlePlace::Volume,
+            candidates: HandleCandidates::Volume,
             within: Some([[0.04, -0.045, -0.005], [0.16, 0.045, 0.045]]),
             count: Some(handles),
             ..HandleRegion::default()

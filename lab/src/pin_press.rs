@@ -13,7 +13,7 @@ use supple::potential::{CpuPotential, Potential};
 use supple_bake::math::NearestPoint;
 use supple_bake::mesh::ShellOptions;
 use supple_bake::{
-    HandlePlace, HandleRegion, Recipe, SparseCholesky, Truncation, bake, full_space,
+    HandleCandidates, HandleRegion, Recipe, SparseCholesky, Truncation, bake, full_space,
 };
 use supple_pictures::{ColourScale, Curves};
 use supple_samples::Finger;
@@ -102,7 +102,7 @@ fn finger(runner: &Runner) -> Result<Avatar> {
         })),
         handles: vec![
             HandleRegion {
-                place: HandlePlace::Volume,
+                candidates: HandleCandidates::Volume,
                 within: Some(PATCH),
                 spacing: Some(SPACING),
                 ..HandleRegion::default()

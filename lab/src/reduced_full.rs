@@ -9,7 +9,7 @@ use supple::Result;
 use supple::collider::Shape;
 use supple::model::Avatar;
 use supple::sim::SolverMode;
-use supple_bake::{CubatureRecipe, HandlePlace, HandleRegion, Truncation, all_tets};
+use supple_bake::{CubatureRecipe, HandleCandidates, HandleRegion, Truncation, all_tets};
 use supple_pictures::{Curves, picture_strip};
 use supple_scene::{Focus, Scene, SceneRun};
 
@@ -277,7 +277,7 @@ fn with_handles(
     let (_, mut recipe) = scene.avatar.body()?;
     recipe.handles = vec![
         HandleRegion {
-            place: HandlePlace::Volume,
+            candidates: HandleCandidates::Volume,
             within: Some(press.about),
             count: Some(count),
             ..HandleRegion::default()

@@ -31,7 +31,7 @@ pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, W
 pub use file::{Baked, baked_file, from_bytes, read_baked, to_bytes, write_baked};
 pub use full_space::{SparseCholesky, all_tets, full_space, full_space_simulation, without_tissue};
 pub use handles::{
-    Density, HandlePlace, HandleRegion, Handles, Softness, farthest_points,
+    Density, HandleCandidates, HandleRegion, Handles, Softness, farthest_points,
     weighted_farthest_points,
 };
 pub use interior::InteriorField;

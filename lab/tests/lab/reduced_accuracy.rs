@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 use supple::model::Avatar;
-use supple_bake::{HandlePlace, HandleRegion, Recipe, Truncation, all_tets, bake};
+use supple_bake::{HandleCandidates, HandleRegion, Recipe, Truncation, all_tets, bake};
 use supple_lab::press::{Pressed, limb_recipe, press, press_full_space};
 use supple_samples::Limb;
 
@@ -11,13 +11,13 @@ use supple_samples::Limb;
 const DEPTHS: [f64; 4] = [0.0, 0.004, 0.008, 0.012];
 
 /// The limb with `count` handles, on all of its skin or in the volume around the contact.
-fn reduced(place: HandlePlace, count: usize, truncation: Truncation) -> Avatar {
+fn reduced(candidates: HandleCandidates, count: usize, truncation: Truncation) -> Avatar {
     let around_contact = [[0.04, -0.045, -0.005], [0.16, 0.045, 0.045]];
     let recipe = Recipe {
         handles: vec![HandleRegion {
-            place,
+            candidates,
             count: Some(count),
-            within: (place == HandlePlace::Volume).then_some(around_contact),
+            within: (candidates == HandleCandidates::Volume).then_some(around_contact),
             ..HandleRegion::default()
         }],
         truncation,
@@ -35,8 +35,9 @@ fn error(avatar: Avatar, truth: &Pressed) -> f64 {
 
 #[test]
 fn error_falls_with_handles_and_truncation_leaves_a_floor() {
-    let avatar =
-        |count, truncation| all_tets(&reduced(HandlePlace::Volume, count, truncation)).unwrap();
+    let avatar = |count, truncation| {
+        all_tets(&reduced(HandleCandidates::Volume, count, truncation)).unwrap()
+    };
     let coarse = avatar(20, Truncation::OFF);
     let truth = press_full_space(&coarse, &DEPTHS).unwrap();
     // The published force of the converged full-space solution on this mesh.
@@ -60,23 +61,26 @@ fn error_falls_with_handles_and_truncation_leaves_a_floor() {
 /// Ten points a handle, whatever the handles; the whole table is the figure `cubature`.
 #[test]
 fn cubature_adds_at_most_a_fifth_to_the_error_of_all_tets() {
-    let full = reduced(HandlePlace::Skin, 30, Truncation::default());
+    let full = reduced(HandleCandidates::Skin, 30, Truncation::default());
     let truth = press_full_space(&full, &DEPTHS).unwrap();
-    for (place, count) in [
-        (HandlePlace::Skin, 40),
-        (HandlePlace::Skin, 82),
-        (HandlePlace::Volume, 30),
-        (HandlePlace::Volume, 82),
-        (HandlePlace::Volume, 120),
+    for (candidates, count) in [
+        (HandleCandidates::Skin, 40),
+        (HandleCandidates::Skin, 82),
+        (HandleCandidates::Volume, 30),
+        (HandleCandidates::Volume, 82),
+        (HandleCandidates::Volume, 120),
     ] {
-        let avatar = reduced(place, count, Truncation::default());
+        let avatar = reduced(candidates, count, Truncation::default());
         assert_eq!(avatar.cubature.len(), 10 * count);
         let whole = error(all_tets(&avatar).unwrap(), &truth);
         let cubature = error(avatar, &truth);
         let share = cubature / whole - 1.0;
         println!(
-            "{place:?} {count}: {cubature:.3} with cubature, {whole:.3} with all tets, share {share:.3}"
+            "{candidates:?} {count}: {cubature:.3} with cubature, {whole:.3} with all tets, share {share:.3}"
         );
-        assert!(share < 0.2, "{place:?} {count}: {cubature} against {whole}");
+        assert!(
+            share < 0.2,
+            "{candidates:?} {count}: {cubature} against {whole}"
+        );
     }
 }

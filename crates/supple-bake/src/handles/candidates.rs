@@ -1,6 +1,6 @@
 //! The places that handles of a region can take.
 
-use super::handles::{HandlePlace, HandleRegion};
+use super::handles::{HandleCandidates, HandleRegion};
 use super::softness::{STIFF, Softness};
 use crate::body::Body;
 use crate::math::NearestPoint;
@@ -78,12 +78,12 @@ pub(crate) fn candidates(
             weight,
         })
     };
-    match region.place {
-        HandlePlace::Skin => {
+    match region.candidates {
+        HandleCandidates::Skin => {
             let vertices = chosen(body.skin.positions.len())?;
             Ok(vertices.into_iter().filter_map(skin_vertex).collect())
         }
-        HandlePlace::Volume => {
+        HandleCandidates::Volume => {
             let tissue = nodes_in_tissue(body);
             let skin = NearestPoint::new(&body.skin.positions);
             let node = |n: u32| {
@@ -106,7 +106,7 @@ pub(crate) fn candidates(
             let nodes = chosen(layer.mesh.nodes.len())?.into_iter();
             Ok(nodes.filter_map(node).collect())
         }
-        HandlePlace::Points => region
+        HandleCandidates::Points => region
             .points
             .iter()
             .map(|&p| point(body, p.into(), field))

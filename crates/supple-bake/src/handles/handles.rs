@@ -16,8 +16,9 @@ use supple::{Error, Result};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct HandleRegion {
-    /// What the candidates are.
-    pub place: HandlePlace,
+    /// What the candidates are. Older recipes say `place`.
+    #[serde(alias = "place")]
+    pub candidates: HandleCandidates,
     /// Only where one of these bones has the largest weight; none named: everywhere.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bones: Vec<String>,
@@ -45,7 +46,7 @@ pub struct HandleRegion {
 /// What the candidates of a region are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum HandlePlace {
+pub enum HandleCandidates {
     /// Skin vertices.
     #[default]
     Skin,

@@ -7,6 +7,6 @@ mod handles;
 mod sampling;
 mod softness;
 
-pub use handles::{HandlePlace, HandleRegion, Handles};
+pub use handles::{HandleCandidates, HandleRegion, Handles};
 pub use sampling::{Density, farthest_points, weighted_farthest_points};
 pub use softness::Softness;

@@ -3,7 +3,7 @@
 use super::{TINY, baked, recipe, untruncated};
 use glam::DVec3;
 use supple::model::{Avatar, PointSet};
-use supple_bake::{HandlePlace, HandleRegion, Recipe, all_tets, bake, full_space};
+use supple_bake::{HandleCandidates, HandleRegion, Recipe, all_tets, bake, full_space};
 use supple_samples::Limb;
 
 /// ∇(Σ_h U_h f(X_h)) and Σ_h U_h f(X_h) at a point, for the linear f with gradient `direction`.
@@ -18,9 +18,13 @@ fn interpolated(avatar: &Avatar, points: &PointSet, i: usize, direction: DVec3) 
 #[test]
 fn a_limb_bakes_with_handles_on_its_skin_and_in_its_volume() {
     let body = Limb::S.body().unwrap();
-    for (place, count) in [(HandlePlace::Skin, 82), (HandlePlace::Volume, 160)] {
+    for (candidates, count) in [
+        (HandleCandidates::Skin, 82),
+        (HandleCandidates::Volume, 160),
+    ] {
         let mut phases = Vec::new();
-        let (avatar, report) = bake(&body, &recipe(place, count), &mut |p| phases.push(p)).unwrap();
+        let (avatar, report) =
+            bake(&body, &recipe(candidates, count), &mut |p| phases.push(p)).unwrap();
         println!("{}", serde_json::to_string_pretty(&report).unwrap());
         assert_eq!(phases, [0, 1, 2, 3, 4, 5, 6]);
         assert_eq!(
@@ -62,7 +66,7 @@ fn a_limb_bakes_with_handles_on_its_skin_and_in_its_volume() {
 #[test]
 fn handles_move_what_they_stand_on_and_bones_hold_what_is_theirs() {
     let body = Limb::S.body().unwrap();
-    let avatar = baked(&body, &untruncated(recipe(HandlePlace::Skin, 40)));
+    let avatar = baked(&body, &untruncated(recipe(HandleCandidates::Skin, 40)));
     for (h, &place) in avatar.handles.iter().enumerate() {
         let vertex = avatar
             .skin
@@ -89,7 +93,7 @@ fn handles_move_what_they_stand_on_and_bones_hold_what_is_theirs() {
 fn the_gradient_is_that_of_the_value() {
     // U is linear in a tet: from one corner to the centroid it grows by ∇U · (step).
     let body = TINY.body().unwrap();
-    let avatar = all_tets(&baked(&body, &recipe(HandlePlace::Skin, 8))).unwrap();
+    let avatar = all_tets(&baked(&body, &recipe(HandleCandidates::Skin, 8))).unwrap();
     let layer = &avatar.layer;
     let mut seen = 0;
     for (t, tet) in layer.mesh.tets.iter().enumerate() {
@@ -109,7 +113,7 @@ fn the_gradient_is_that_of_the_value() {
 #[test]
 fn the_full_space_has_every_free_node_as_a_handle() {
     let body = Limb::S.body().unwrap();
-    let avatar = baked(&body, &recipe(HandlePlace::Skin, 20));
+    let avatar = baked(&body, &recipe(HandleCandidates::Skin, 20));
     let full = full_space(&avatar).unwrap();
     full.validate().unwrap();
     let free = body
@@ -152,7 +156,7 @@ fn points_inside_tets_are_handles_too() {
     ];
     let recipe = untruncated(Recipe {
         handles: vec![HandleRegion {
-            place: HandlePlace::Points,
+            candidates: HandleCandidates::Points,
             points: points.to_vec(),
             ..Default::default()
         }],

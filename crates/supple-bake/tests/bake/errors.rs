@@ -2,7 +2,7 @@
 
 use super::recipe;
 use glam::DVec3;
-use supple_bake::{Body, HandlePlace, HandleRegion, Recipe, bake};
+use supple_bake::{Body, HandleCandidates, HandleRegion, Recipe, bake};
 use supple_samples::Limb;
 
 #[test]
@@ -11,7 +11,7 @@ fn bad_recipes_and_bodies_are_typed_errors() {
     let error =
         |body: &Body, recipe: &Recipe| bake(body, recipe, &mut |_| {}).unwrap_err().to_string();
     let region = |change: fn(&mut HandleRegion)| {
-        let mut recipe = recipe(HandlePlace::Skin, 8);
+        let mut recipe = recipe(HandleCandidates::Skin, 8);
         change(&mut recipe.handles[0]);
         recipe
     };
@@ -27,7 +27,7 @@ fn bad_recipes_and_bodies_are_typed_errors() {
         (
             |r| {
                 *r = HandleRegion {
-                    place: HandlePlace::Points,
+                    candidates: HandleCandidates::Points,
                     points: vec![[0.1, 0.0, 0.0]],
                     ..Default::default()
                 }
@@ -37,7 +37,7 @@ fn bad_recipes_and_bodies_are_typed_errors() {
         (
             |r| {
                 *r = HandleRegion {
-                    place: HandlePlace::Points,
+                    candidates: HandleCandidates::Points,
                     points: vec![[0.1, 0.03, 0.0]; 2],
                     ..Default::default()
                 }
@@ -52,10 +52,10 @@ fn bad_recipes_and_bodies_are_typed_errors() {
     let mut orphan = body.clone();
     orphan.layer.mesh.nodes.push(DVec3::ZERO);
     orphan.layer.bone_of_node.push(None);
-    assert!(error(&orphan, &recipe(HandlePlace::Skin, 8)).contains("belongs to no tet"));
+    assert!(error(&orphan, &recipe(HandleCandidates::Skin, 8)).contains("belongs to no tet"));
     // With no layer the skin is meshed, but there must be one.
     let mut empty = body;
     empty.layer = Default::default();
     empty.skin.triangles.clear();
-    assert!(error(&empty, &recipe(HandlePlace::Skin, 8)).contains("skin"));
+    assert!(error(&empty, &recipe(HandleCandidates::Skin, 8)).contains("skin"));
 }

@@ -8,20 +8,20 @@ use supple::glam::{DAffine3, DVec3};
 use supple::internal::math::Random;
 use supple::model::{Avatar, Joint, JointBone, JointList, SkinJoints, UpAxis};
 use supple_bake::{
-    BakeCost, BakeReport, HandlePlace, bake, baked_file, from_bytes, full_space, read_baked,
+    BakeCost, BakeReport, HandleCandidates, bake, baked_file, from_bytes, full_space, read_baked,
     to_bytes, write_baked,
 };
 use supple_samples::Limb;
 
 fn tiny() -> (Avatar, BakeReport) {
-    let recipe = recipe(HandlePlace::Skin, 8);
+    let recipe = recipe(HandleCandidates::Skin, 8);
     bake(&TINY.body().unwrap(), &recipe, &mut |_| {}).unwrap()
 }
 
 #[test]
 fn same_input_same_bytes_whatever_the_threads() {
     let body = Limb::S.body().unwrap();
-    let recipe = recipe(HandlePlace::Skin, 30);
+    let recipe = recipe(HandleCandidates::Skin, 30);
     let once = to_bytes(&baked(&body, &recipe), None).unwrap();
     assert!(once == to_bytes(&baked(&body, &recipe), None).unwrap());
     #[cfg(feature = "threads")]
@@ -64,7 +64,7 @@ fn problem(bytes: &[u8]) -> String {
 
 #[test]
 fn a_file_cut_anywhere_is_an_error() {
-    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandleCandidates::Skin, 8));
     let bytes = to_bytes(&avatar, None).unwrap();
     for length in 0..bytes.len() {
         problem(&bytes[..length]);
@@ -79,7 +79,7 @@ fn a_file_cut_anywhere_is_an_error() {
 
 #[test]
 fn every_flipped_bit_is_an_error() {
-    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandleCandidates::Skin, 8));
     let bytes = to_bytes(&avatar, None).unwrap();
     let mut random = Random::new(5);
     // All of the header, and some of the rest.
@@ -120,7 +120,7 @@ fn a_forged_checksum_does_not_get_nonsense_in() {
 
 #[test]
 fn foreign_and_newer_files_are_named() {
-    let avatar = baked(&TINY.body().unwrap(), &recipe(HandlePlace::Skin, 8));
+    let avatar = baked(&TINY.body().unwrap(), &recipe(HandleCandidates::Skin, 8));
     let bytes = to_bytes(&avatar, None).unwrap();
     assert!(problem(b"glTF\x02\0\0\0 something else altogether").contains("not a baked avatar"));
     let mut newer = bytes.clone();

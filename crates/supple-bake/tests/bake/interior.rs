@@ -3,7 +3,7 @@
 use super::{baked, recipe};
 use glam::DVec3;
 use supple::model::{PoseBlend, SkinWeight};
-use supple_bake::{Body, HandlePlace, all_tets, full_space};
+use supple_bake::{Body, HandleCandidates, all_tets, full_space};
 use supple_samples::Finger;
 
 /// A finger of three bones whose pose directions are smooth over its skin.
@@ -27,7 +27,7 @@ fn blended_finger() -> Body {
 #[test]
 fn pose_blend_shapes_reach_the_points_from_the_skin() {
     let body = blended_finger();
-    let avatar = baked(&body, &recipe(HandlePlace::Skin, 20));
+    let avatar = baked(&body, &recipe(HandleCandidates::Skin, 20));
     let blend = &avatar.cubature.pose_blend;
     assert_eq!(
         (blend.features, blend.columns.len()),
@@ -61,7 +61,7 @@ fn pose_blend_shapes_reach_the_points_from_the_skin() {
 #[test]
 fn skin_weights_inside_a_finger_follow_the_skin_and_the_bones() {
     let body = blended_finger();
-    let avatar = baked(&body, &recipe(HandlePlace::Skin, 20));
+    let avatar = baked(&body, &recipe(HandleCandidates::Skin, 20));
     // The skin keeps the file's own weights, whatever they are.
     assert_eq!(avatar.skin.skinning, body.skinning);
     let layer = &avatar.layer;

@@ -1,7 +1,7 @@
 //! Layers of the paper's size.
 
 use super::recipe;
-use supple_bake::{Body, CubatureRecipe, HandlePlace, HandleRegion, Recipe, bake, to_bytes};
+use supple_bake::{Body, CubatureRecipe, HandleCandidates, HandleRegion, Recipe, bake, to_bytes};
 use supple_samples::{Limb, hand};
 
 /// A layer of the hand's size: 20,328 nodes, 85,800 tets, 87 handles and 700 points.
@@ -13,7 +13,7 @@ fn a_layer_of_twenty_thousand_nodes_bakes() {
         sectors: 44,
         ..Limb::S
     };
-    let mut recipe = recipe(HandlePlace::Skin, 87);
+    let mut recipe = recipe(HandleCandidates::Skin, 87);
     recipe.cubature.points = Some(700);
     let body = limb.body().unwrap();
     let (_, report) = bake(&body, &recipe, &mut |_| {}).unwrap();

@@ -14,7 +14,7 @@ mod surface;
 mod tissue;
 
 use supple::model::Avatar;
-use supple_bake::{Body, HandlePlace, HandleRegion, Recipe, Truncation, bake};
+use supple_bake::{Body, HandleCandidates, HandleRegion, Recipe, Truncation, bake};
 use supple_samples::Limb;
 
 /// A limb small enough for a file of a few kilobytes.
@@ -27,10 +27,10 @@ const TINY: Limb = Limb {
     sectors: 6,
 };
 
-fn recipe(place: HandlePlace, count: usize) -> Recipe {
+fn recipe(candidates: HandleCandidates, count: usize) -> Recipe {
     Recipe {
         handles: vec![HandleRegion {
-            place,
+            candidates,
             count: Some(count),
             ..Default::default()
         }],
