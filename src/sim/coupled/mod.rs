@@ -17,7 +17,7 @@ mod part;
 mod shared;
 
 use super::dense_cholesky::SINGLE_PRECISION_RESIDUAL;
-use super::groups::Groups;
+use super::groups::{Groups, Link};
 use super::iterates::Iterates;
 use super::linear_solver::{DIAGONAL_SHIFTS, SolveReport, multiply_add};
 use super::minimisation::{Minimisation, check};
@@ -98,52 +98,25 @@ impl Coupled {
             if !shared.running {
                 continue;
             }
-            let is_body = |i: usize| links.iter().any(|link| link.body == i);
-            let mut dofs = 0;
-            for &i in of_group {
-                parts[i].group = Some(group);
-                parts[i].bodies.clear();
-                if is_body(i) {
-                    parts[i].bodies.push(dofs);
-                    dofs += BODY;
-                }
-            }
-            for link in links {
-                let at = parts[link.body].bodies[0];
-                parts[link.member].bodies.push(at);
-            }
-            shared.begin(dofs);
+            of_group.iter().for_each(|&i| parts[i].group = Some(group));
+            shared.begin(number_bodies(parts, of_group, links));
             for &i in of_group {
                 let (part, fixed) = (&mut parts[i], &minimisations[i].fixed);
                 let (pattern, hessian) = (systems.pattern(i), &iterates.evaluations[i].hessian);
                 let linked = links.iter().filter(|link| link.member == i);
                 let linked = linked.map(|link| link.frame);
-                let own_frame = is_body(i).then_some(0);
+                let own_frame = is_body(links, i).then_some(0);
                 part.begin(linked.chain(own_frame), pattern, hessian, fixed);
                 for (dof, z) in part.shared_dofs() {
                     shared.scaling[z] += diagonal(pattern, hessian, dof);
                     // That a member cannot move the frame says nothing of the body.
-                    shared.fixed[z] |= is_body(i) && fixed[dof];
+                    shared.fixed[z] |= own_frame.is_some() && fixed[dof];
                 }
             }
-            for scaling in &mut shared.scaling {
-                let positive = *scaling > 0.0;
-                *scaling = if positive {
-                    scaling.sqrt().recip()
-                } else {
-                    1.0
-                };
-            }
-            for part in of_group {
-                let part = &mut parts[*part];
-                let own = part.places.own;
-                for dof in 0..part.scaling.len() {
-                    let place = part.places.of_dof[dof];
-                    if place != elimination::FIXED && place as usize >= own {
-                        part.scaling[dof] = shared.scaling[part.of_group(place as usize - own)];
-                    }
-                }
-            }
+            shared.finish_scaling();
+            of_group
+                .iter()
+                .for_each(|&i| parts[i].share_scaling(&shared.scaling));
         }
     }
 
@@ -226,6 +199,28 @@ impl Shared {
             residual,
         });
     }
+}
+
+/// Whether member `i` is a body of the group that `links` join.
+fn is_body(links: &[Link], i: usize) -> bool {
+    links.iter().any(|link| link.body == i)
+}
+
+/// Tells each part of a group where the bodies that it touches stand; returns the number of their DoFs.
+fn number_bodies(parts: &mut [Part], of_group: &[usize], links: &[Link]) -> usize {
+    let mut dofs = 0;
+    for &i in of_group {
+        parts[i].bodies.clear();
+        if is_body(links, i) {
+            parts[i].bodies.push(dofs);
+            dofs += BODY;
+        }
+    }
+    for link in links {
+        let at = parts[link.body].bodies[0];
+        parts[link.member].bodies.push(at);
+    }
+    dofs
 }
 
 /// Completes a member's iteration with the step that has been solved for.

@@ -105,6 +105,17 @@ impl Part {
         places.map(move |(dof, place)| (dof, self.of_group((place - own) as usize)))
     }
 
+    /// Scales the bodies' DoFs as their group does.
+    pub fn share_scaling(&mut self, of_group: &[f64]) {
+        let own = self.places.own;
+        for dof in 0..self.scaling.len() {
+            let place = self.places.of_dof[dof];
+            if place != FIXED && place as usize >= own {
+                self.scaling[dof] = of_group[self.of_group(place as usize - own)];
+            }
+        }
+    }
+
     /// |D (g + H δ)|² over its own DoFs.
     pub fn residual_norm_squared(&self) -> f64 {
         let own = self.places.own as u32;

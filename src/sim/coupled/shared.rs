@@ -57,6 +57,18 @@ impl Shared {
         }
     }
 
+    /// From the sums of the members' diagonals to d.
+    pub fn finish_scaling(&mut self) {
+        for scaling in &mut self.scaling {
+            let positive = *scaling > 0.0;
+            *scaling = if positive {
+                scaling.sqrt().recip()
+            } else {
+                1.0
+            };
+        }
+    }
+
     /// |D (g + H δ)| of the group.
     pub fn residual_norm(&mut self, parts: &[Part], members: &[usize]) -> f64 {
         self.residual.clear();
