@@ -16,7 +16,7 @@ pub struct SkinBuffer<'a> {
     /// A `VERTEX | STORAGE` buffer of the instances of an asset; of each vertex 32 bytes: the position in the first 12,
     /// m, and the normal in 12 from the 16th on. A world that grows makes another: ask before each frame.
     pub buffer: &'a wgpu::Buffer,
-    /// Which bytes are the instance's.
+    /// Which bytes are the instance's, from a multiple of 256 on: it may be bound alone as storage.
     pub range: Range<u64>,
     /// What its positions are relative to, m, in the world: draw with this translation.
     pub origin: DVec3,

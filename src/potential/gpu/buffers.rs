@@ -71,7 +71,7 @@ buffers! {
         summaries: Summary = zeroed(n.states),
         result: f32 = zeroed(n.instances * n.result),
         // The posed skin of every instance, and its x̄.
-        skin_vertices: SkinVertex = vertices(n.instances * n.vertices),
+        skin_vertices: SkinVertex = vertices(n.instances * n.skin_stride),
         posed_skin_unposed: [f32; 4] = zeroed(n.instances * n.vertices),
     }
 }

@@ -74,7 +74,7 @@ impl GpuPotential {
         let recorder = Recorder::new(device, queue, kernels, avatar, instances, options)?;
         let submission = |label, bytes| Submission::new(device, queue, label, bytes, patience);
         let results = submission("results of the tissue", recorder.room_to_read())?;
-        let skin_submission = submission("posed skin", recorder.skin_bytes())?;
+        let skin_submission = submission("posed skin", recorder.skin_range(0).end)?;
         memory_error(listener)?;
         Ok(Self {
             submission: results,
@@ -94,10 +94,10 @@ impl GpuPotential {
         self.recorder.buffers.common.skin_vertices.raw()
     }
 
-    /// Bytes of [`GpuPotential::skin_buffer`] that hold `instance`.
+    /// Bytes of [`GpuPotential::skin_buffer`] that hold `instance`. They begin at a multiple of 256, so that a host may bind
+    /// them alone.
     pub fn skin_range(&self, instance: usize) -> Range<u64> {
-        let bytes = self.recorder.skin_bytes();
-        instance as u64 * bytes..(instance as u64 + 1) * bytes
+        self.recorder.skin_range(instance)
     }
 
     /// What the positions in [`GpuPotential::skin_buffer`] are relative to, in world space: the root's

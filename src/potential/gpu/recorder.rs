@@ -126,9 +126,11 @@ impl Recorder {
         self.buffers.sizes.room_to_read()
     }
 
-    /// Bytes of an instance's posed skin.
-    pub(super) fn skin_bytes(&self) -> u64 {
-        (self.avatar.skin.len() * size_of::<SkinVertex>()) as u64
+    /// Bytes of `instance`'s posed skin among all instances'.
+    pub(super) fn skin_range(&self, instance: usize) -> Range<u64> {
+        let bytes = |vertices: usize| vertices as u64 * size_of::<SkinVertex>() as u64;
+        let first = bytes(instance * self.buffers.sizes.skin_stride);
+        first..first + bytes(self.avatar.skin.len())
     }
 
     pub(super) fn patience(&self) -> Patience {

@@ -185,6 +185,7 @@ fn the_skin_is_where_it_is_drawn_from() -> Result<()> {
         let skin = world.skin_buffer(limb)?.expect("on the GPU");
         let size = skin.range.end - skin.range.start;
         assert_eq!(size, 32 * positions.len() as u64);
+        assert_eq!(skin.range.start % 256, 0);
         let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size,

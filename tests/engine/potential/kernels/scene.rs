@@ -259,6 +259,12 @@ impl Scene {
             .collect()
     }
 
+    /// The looked-at instance's posed skin, up to the next one's: each begins at a multiple of 256 bytes.
+    pub fn skin_vertices(&self) -> Vec<shared::SkinVertex> {
+        let stride = self.avatar.skin.len().next_multiple_of(8);
+        self.items(Phase::Posed, "skin_vertices", INSTANCE, stride)
+    }
+
     /// The looked-at instance's pose features, `count` of them. The starts of a step are the last of a batch.
     pub fn pose_features(&self, phase: Phase, count: usize) -> Vec<f32> {
         let places = self.buffers[&(phase, "pose_features")].len() / (4 * count.max(1));
