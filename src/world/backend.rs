@@ -201,6 +201,16 @@ impl Evaluator {
             .await)
     }
 
+    pub async fn read_previous_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .read_previous_skin(instance, positions)
+            .await)
+    }
+
     /// Where the skin of an instance is on the device; none on the CPU.
     #[cfg(feature = "gpu")]
     pub fn skin_buffer(&self, instance: usize) -> Option<SkinBuffer<'_>> {
@@ -208,8 +218,10 @@ impl Evaluator {
             Self::Cpu(_) => None,
             Self::Gpu(potential) => Some(SkinBuffer {
                 buffer: potential.skin_buffer(),
+                previous: potential.previous_skin_buffer(),
                 range: potential.skin_range(instance),
                 origin: potential.skin_origin(instance),
+                previous_origin: potential.previous_skin_origin(instance),
             }),
         }
     }

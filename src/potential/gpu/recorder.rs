@@ -52,6 +52,7 @@ pub struct Recorder {
     pub(super) stages: Stages,
     pub(super) starts: Vec<Option<Start>>,
     pub(super) skin_origins: Vec<DVec3>,
+    pub(super) previous_skin_origins: Vec<DVec3>,
     /// Pose features of each instance's posed skin; empty before it is posed.
     pub(super) posed_features: Vec<Vec<f32>>,
     /// The recordings in which the starts' and the states' parts of the uploads were last written.
@@ -95,6 +96,7 @@ impl Recorder {
             stages: Stages::new(kernels.stages(), &buffers)?,
             starts: vec![None; instances],
             skin_origins: vec![DVec3::ZERO; instances],
+            previous_skin_origins: vec![DVec3::ZERO; instances],
             posed_features: vec![Vec::new(); instances],
             starts_recording: 0,
             states_recording: 0,

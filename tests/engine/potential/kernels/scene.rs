@@ -206,7 +206,7 @@ impl Scene {
                 .energy_differences(&[compared], &mut [0.0])
                 .await?;
             scene.look(&mut potential, Phase::Compared).await?;
-            potential.pose_skin(&state).await?;
+            potential.pose_skin(&state, &[]).await?;
             scene.look(&mut potential, Phase::Posed).await
         })?;
         let origin = current[INSTANCE].frames[0].position;
