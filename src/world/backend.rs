@@ -5,7 +5,7 @@ use super::gpu::{OpenedGpu, SkinBuffer};
 #[cfg(feature = "gpu")]
 use crate::gpu::{AdapterChoice, GpuDevice};
 use crate::material::Material;
-use crate::model::Avatar;
+use crate::model::{Avatar, State};
 use crate::potential::{BlockPattern, CpuPotential, EvaluationTimings, HessianForm, Potential};
 #[cfg(feature = "gpu")]
 use crate::potential::{GpuOptions, GpuPotential};
@@ -208,6 +208,18 @@ impl Evaluator {
     ) -> Result<()> {
         either!(self, |potential| potential
             .read_previous_skin(instance, positions)
+            .await)
+    }
+
+    pub async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .read_contacts(instance, state, forces, pressures)
             .await)
     }
 

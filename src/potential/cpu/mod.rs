@@ -9,6 +9,7 @@ mod basis;
 mod begin_step;
 pub mod compact;
 pub mod contact;
+pub(crate) mod contact_forces;
 mod dense_hessian;
 pub mod displacement;
 pub mod elasticity;
@@ -109,6 +110,22 @@ impl<B: Basis> CpuPotential<B> {
     ) -> Result<()> {
         self.checks.instance(instance)?;
         positions.clone_from(&self.instances[instance].posed_skin.previous);
+        Ok(())
+    }
+
+    /// Contact and friction on each skin vertex at `state`, from the instance's start: force, N, and pressure, Pa.
+    pub(crate) async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        self.checks.instance(instance)?;
+        self.checks.begun(instance, self.has_begun(instance))?;
+        self.checks.state(state)?;
+        let (asset, instance) = (&self.asset, &mut self.instances[instance]);
+        in_pool(|| instance.contact_forces(asset, state, forces, pressures));
         Ok(())
     }
 

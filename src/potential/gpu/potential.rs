@@ -132,6 +132,19 @@ impl GpuPotential {
         Ok(())
     }
 
+    /// Contact and friction on each skin vertex at `state`, from the instance's start: force, N, and pressure, Pa.
+    pub(crate) async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        (self.recorder).record_contacts(instance, state, &mut self.submission)?;
+        let bytes = self.submission.read().await?;
+        self.recorder.finish_contacts(&bytes, forces, pressures)
+    }
+
     /// What `vertices`, a buffer of skins, holds of an instance.
     async fn read_vertices(
         &mut self,

@@ -1,6 +1,6 @@
 //! Worlds on the GPU: in step with those on the CPU, one submission a question, the skin where it is drawn from.
 
-use super::{limb, previous_skins};
+use super::{contacts, limb, previous_skins};
 use supple::collider::Shape;
 use supple::glam::{DVec3, Vec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
@@ -262,6 +262,17 @@ fn the_previous_skin_is_that_of_the_step_before() -> Result<()> {
     let gpu = device();
     let (world, avatar, keys) = previous_skins::three(on_gpu(&gpu))?;
     previous_skins::check(world, avatar, keys)
+}
+
+#[test]
+fn forces_on_vertices_add_up_to_the_report() -> Result<()> {
+    let gpu = device();
+    let rounding = f64::from(f32::EPSILON) / 2.0;
+    // A force has some 10 roundings of its own, and one for each that is added before; here some tens touch.
+    let sum_bound = 100.0 * rounding;
+    // A place is some 20 roundings of 0.3 m off, in the skin and in the contacts.
+    let depth_bound = 2.0 * 20.0 * rounding * 0.3;
+    contacts::check(contacts::pressed(on_gpu(&gpu))?, sum_bound, depth_bound)
 }
 
 fn is_send<T: Send>(_: T) {}

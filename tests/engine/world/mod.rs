@@ -2,6 +2,7 @@
 
 mod bodies;
 mod coming_and_going;
+mod contacts;
 mod driving;
 #[cfg(feature = "gpu")]
 mod gpu;
