@@ -129,10 +129,11 @@ impl Shown {
                 MouseScrollDelta::LineDelta(_, lines) => lines,
                 MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 40.0,
             }),
-            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
-                if event.logical_key == Key::Character("m".into()) {
-                    self.renderer.shows_motion ^= true;
-                }
+            WindowEvent::KeyboardInput { event, .. }
+                if event.state == ElementState::Pressed
+                    && event.logical_key == Key::Character("m".into()) =>
+            {
+                self.renderer.shows_motion ^= true;
             }
             WindowEvent::RedrawRequested => {
                 self.draw()?;
