@@ -19,7 +19,7 @@ fn normals(@builtin(global_invocation_id) id: vec3<u32>) {
     if (i >= constants.points) {
         return;
     }
-    let first = batch[chunk.first + id.y].instance * constants.points;
+    let first = batch[chunk.first + id.y].instance * constants.skin_stride;
     let v = skin_vertices[first + i].position;
     var n = vec3<f32>();
     for (var k = one_ring_rows[i]; k < one_ring_rows[i + 1u]; k++) {

@@ -26,5 +26,6 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
     let point = points[i];
     let at = state.instance * constants.points + i;
     let t = unposed_position(point, unposed[at], state.slot * constants.handles);
-    skin_vertices[at].position = skinned_position(point, t, state.slot * constants.bones);
+    skin_vertices[state.instance * constants.skin_stride + i].position =
+        skinned_position(point, t, state.slot * constants.bones);
 }

@@ -20,8 +20,8 @@ struct Constants {
     point_groups: u32,    // partial energies of the cubature points, then
     vertex_groups: u32,   // those of the skin
     density: f32,         // ρ, kg/m³
-    _pad0: u32,
-    _pad1: u32,
+    skin_stride: u32,     // from an instance's posed skin to the next one's, vertices
+    _pad: u32,
 }
 
 struct Chunk {

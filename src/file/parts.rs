@@ -12,6 +12,7 @@
 //! | `cpos`, `spos` | pose blend shapes of cubature points and skin, without their zeros | none |
 //! | `atta` | what attached vertices follow | nothing is attached |
 //! | `draw` | how the body's file draws the skin | the skin is drawn as it is |
+//! | `shad` | index of the material and tangents of each part of `draw` | none |
 //! | `layr` | mesh, basis and embedding of the soft layer: for reports, bakes and the full space | none |
 
 use super::Parts;
@@ -44,10 +45,13 @@ const CUBATURE_POSE: [u8; 4] = *b"cpos";
 const SKIN_POSE: [u8; 4] = *b"spos";
 const ATTACHED: [u8; 4] = *b"atta";
 const DRAWN: [u8; 4] = *b"draw";
+const SHADING: [u8; 4] = *b"shad";
 const LAYER: [u8; 4] = *b"layr";
 
 type Bones<'a> = (Cow<'a, str>, Cow<'a, Skeleton>, Cow<'a, [BoneMass]>);
 type Triangles<'a> = Cow<'a, [[u32; 3]]>;
+/// What a [`RenderMesh`] has beside its own section.
+type Shading = (Option<u32>, Vec<[f32; 4]>);
 
 /// A [`PointSet`] without its pose blend shapes.
 #[derive(Serialize, Deserialize)]
@@ -117,6 +121,11 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
     if !avatar.render_meshes.is_empty() {
         sections.push(section(DRAWN, &avatar.render_meshes)?);
     }
+    if (avatar.render_meshes.iter()).any(|d| d.material_index.is_some() || !d.tangents.is_empty()) {
+        let of = |d: &RenderMesh| (d.material_index, d.tangents.clone());
+        let shading: Vec<Shading> = avatar.render_meshes.iter().map(of).collect();
+        sections.push(section(SHADING, &shading)?);
+    }
     if parts == Parts::All && avatar.layer != SoftLayer::default() {
         sections.push(section(LAYER, &avatar.layer)?);
     }
@@ -145,7 +154,7 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         skin: reader.points(skin, SKIN_POSE)?,
         triangles: triangles.into_owned(),
         attached: reader.optional(ATTACHED)?.unwrap_or_default(),
-        render_meshes: (reader.optional(DRAWN)?).unwrap_or_else(Vec::<RenderMesh>::new),
+        render_meshes: reader.render_meshes()?,
         material: tissue.material,
         tissue: tissue.local.into_owned(),
         density: tissue.density,
@@ -213,6 +222,21 @@ impl Reader<'_> {
             let problem = "is not there, and no avatar is without it; bake it again";
             Error::format(self.path, tag_name(tag), problem)
         })
+    }
+
+    /// How the file draws the skin, with what the shading needs where the file has it.
+    fn render_meshes(&mut self) -> Result<Vec<RenderMesh>> {
+        let mut drawn: Vec<RenderMesh> = self.optional(DRAWN)?.unwrap_or_default();
+        if let Some(shading) = self.optional::<Vec<Shading>>(SHADING)? {
+            if shading.len() != drawn.len() {
+                let problem = format!("is of {} parts; there are {}", shading.len(), drawn.len());
+                return Err(Error::format(self.path, tag_name(SHADING), problem));
+            }
+            for (part, shading) in drawn.iter_mut().zip(shading) {
+                (part.material_index, part.tangents) = shading;
+            }
+        }
+        Ok(drawn)
     }
 
     /// The set of `points`, with the pose blend shapes of section `pose`.

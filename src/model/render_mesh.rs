@@ -13,10 +13,18 @@ pub struct RenderMesh {
     pub name: String,
     /// Name of its material, empty where it has none.
     pub material: String,
+    /// Which of the file's materials that is, in the file's order; none where it has none, or in a baked file of before.
+    /// In a section of its own ([`crate::file`]), as tangents are: files are read that have none.
+    #[serde(skip)]
+    pub material_index: Option<u32>,
     /// The body vertex of each of the part's own vertices.
     pub vertices: Vec<u32>,
     /// Texture coordinates of each of the part's own vertices, or none at all.
     pub texture_coordinates: Vec<[f32; 2]>,
+    /// Tangent of each of the part's own vertices, or none at all: a unit vector in the reference shape, along the texture's
+    /// u, and the sign of the bitangent, as glTF has them.
+    #[serde(skip)]
+    pub tangents: Vec<[f32; 4]>,
     /// Triangles of the part's own vertices.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -32,12 +40,14 @@ impl RenderMesh {
         let sound = self.vertices.iter().all(|&v| (v as usize) < body_vertices)
             && (self.triangles.iter().flatten()).all(|&v| (v as usize) < own)
             && (coordinates.is_empty() || coordinates.len() == own)
-            && coordinates.iter().flatten().all(|c| c.is_finite());
+            && coordinates.iter().flatten().all(|c| c.is_finite())
+            && (self.tangents.is_empty() || self.tangents.len() == own)
+            && self.tangents.iter().flatten().all(|t| t.is_finite());
         if sound {
             Ok(())
         } else {
             let problem = "names a vertex that is not there, or has other than one finite texture \
-                           coordinate a vertex";
+                           coordinate or tangent a vertex";
             Err(Error::invalid(format!("drawn.{}", self.name), problem))
         }
     }

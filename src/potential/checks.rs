@@ -1,6 +1,6 @@
 //! What every evaluation demands of its input: one condition has one error, whoever evaluates.
 
-use super::{StepStart, Trial};
+use super::{PreviousSkin, StepStart, Trial};
 use crate::model::{Avatar, Space, State};
 use crate::{Error, Result};
 
@@ -127,8 +127,11 @@ impl Checks {
     }
 
     /// The input of `pose_skin`.
-    pub fn poses(&self, states: &[State]) -> Result<()> {
+    pub fn poses(&self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
         self.count("states", states.len())?;
+        if !previous.is_empty() {
+            self.count("previous", previous.len())?;
+        }
         states.iter().try_for_each(|state| self.state(state))
     }
 }

@@ -154,6 +154,17 @@ pub struct Trial<'a> {
     pub state: &'a State,
 }
 
+/// What the previous posed skin of an instance is once another is posed: a renderer draws motion between the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PreviousSkin {
+    /// What it was: the same moment is posed again.
+    Kept,
+    /// The one that was posed last: a step has been made.
+    Last,
+    /// The new one: the instance was put there, and no motion is to be seen.
+    New,
+}
+
 /// Where an evaluation spent its time since the step began, ms of wall clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EvaluationTimings {
@@ -232,8 +243,13 @@ pub trait Potential {
     ) -> impl Future<Output = Result<()>>;
 
     /// Poses the drawn skin of every instance, with x̄ of the state's own pose, and its normals.
-    /// They stay where the implementation keeps them (on the GPU: a buffer to draw from).
-    fn pose_skin(&mut self, states: &[State]) -> impl Future<Output = Result<()>>;
+    /// They stay where the implementation keeps them (on the GPU: a buffer to draw from). `previous` says what the
+    /// previous skin of each instance is then; where it is empty, all are kept.
+    fn pose_skin(
+        &mut self,
+        states: &[State],
+        previous: &[PreviousSkin],
+    ) -> impl Future<Output = Result<()>>;
 
     /// Copies out what [`Potential::pose_skin`] made for an instance: positions (m, world) and normals.
     fn read_skin(

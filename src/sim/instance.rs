@@ -3,7 +3,7 @@
 use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
 use crate::model::{Avatar, Frame, State, is_rotation};
-use crate::potential::TissueFactors;
+use crate::potential::{PreviousSkin, TissueFactors};
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
@@ -44,6 +44,8 @@ pub struct Instance {
     pub factors: TissueFactors,
     /// Whether [`Simulation::step`](super::Simulation::step) moves it.
     pub active: bool,
+    /// Whether it was put where it is since the last step: no motion led there.
+    pub(crate) was_put: bool,
 }
 
 impl Instance {
@@ -74,6 +76,15 @@ impl Instance {
             gravity: DVec3::new(0.0, 0.0, -9.81),
             factors: TissueFactors::default(),
             active: true,
+            was_put: true,
+        }
+    }
+
+    /// What its previous posed skin is after a step.
+    pub(crate) fn previous_skin(&self) -> PreviousSkin {
+        match self.was_put {
+            true => PreviousSkin::New,
+            false => PreviousSkin::Last,
         }
     }
 
@@ -102,6 +113,7 @@ impl Instance {
     pub fn set_state(&mut self, state: State) {
         self.previous = state.clone();
         self.state = state;
+        self.was_put = true;
     }
 
     /// Puts the bones at `frames` at rest with no displacement, and makes that pose the rest pose of

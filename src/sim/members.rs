@@ -2,7 +2,9 @@
 
 use crate::Result;
 use crate::model::State;
-use crate::potential::{Evaluation, HessianForm, Potential, StepEnd, StepStart, Trial};
+use crate::potential::{
+    Evaluation, HessianForm, Potential, PreviousSkin, StepEnd, StepStart, Trial,
+};
 use std::future::Future;
 
 /// Instances in one flat list, which are evaluated together. Its methods are those of [`Potential`].
@@ -43,7 +45,11 @@ pub(crate) trait Members {
     ) -> impl Future<Output = Result<()>>;
 
     /// Poses the drawn skin of every member.
-    fn pose_skin(&mut self, states: &[State]) -> impl Future<Output = Result<()>>;
+    fn pose_skin(
+        &mut self,
+        states: &[State],
+        previous: &[PreviousSkin],
+    ) -> impl Future<Output = Result<()>>;
 }
 
 impl<P: Potential> Members for P {
@@ -87,7 +93,11 @@ impl<P: Potential> Members for P {
         Potential::energy_differences(self, trials, out)
     }
 
-    fn pose_skin(&mut self, states: &[State]) -> impl Future<Output = Result<()>> {
-        Potential::pose_skin(self, states)
+    fn pose_skin(
+        &mut self,
+        states: &[State],
+        previous: &[PreviousSkin],
+    ) -> impl Future<Output = Result<()>> {
+        Potential::pose_skin(self, states, previous)
     }
 }

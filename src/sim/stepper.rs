@@ -14,7 +14,7 @@ use super::step_end::StepEnds;
 use super::step_start::{skeleton_start, tissue_start};
 use crate::math::{Stopwatch, par_members, recycled};
 use crate::model::State;
-use crate::potential::StepStart;
+use crate::potential::{PreviousSkin, StepStart};
 use crate::skeleton::{SkeletonModel, SkeletonPotential, joint_gap};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -48,6 +48,8 @@ pub(crate) struct Stepper {
     starts: Vec<StepStart<'static>>,
     /// Memory of whose ends are asked for.
     pinned: Vec<bool>,
+    /// Memory of what the previous skins are after the step.
+    previous_skins: Vec<PreviousSkin>,
 }
 
 impl Stepper {
@@ -69,6 +71,7 @@ impl Stepper {
             newton: Newton::new(minimisations, systems),
             starts: Vec::new(),
             pinned: Vec::new(),
+            previous_skins: Vec::new(),
         }
     }
 
@@ -160,11 +163,13 @@ impl Stepper {
         let newton = &mut self.newton;
         let mut mode = None;
         self.pinned.clear();
+        self.previous_skins.clear();
         let pairs = each.zip(&newton.minimisations);
         starts.extend(pairs.map(|((physics, instance), minimisation)| {
             let settings = &physics.settings;
             mode = Some(settings.solver);
             (self.pinned).push(settings.report_at_end || !instance.pins.is_empty());
+            (self.previous_skins).push(instance.previous_skin());
             let captured = physics.captured_under_gravity;
             tissue_start(settings, captured, instance, &minimisation.prescribed)
         }));
@@ -185,7 +190,8 @@ impl Stepper {
         self.ends.report(members, newton, wanted).await?;
         timings.evaluation += watch.ms();
         let watch = Stopwatch::start();
-        members.pose_skin(&newton.iterates.states).await?;
+        let states = &newton.iterates.states;
+        members.pose_skin(states, &self.previous_skins).await?;
         timings.skin = watch.ms();
         self.ends.keep();
         Ok(())
@@ -204,13 +210,10 @@ impl Stepper {
         let parts = (&mut newton.minimisations[range.clone()], instances);
         par_members(range.len(), parts, |i, (minimisation, instance)| {
             let member = range.start + i;
+            let instance: &mut Instance = instance.borrow_mut();
+            instance.was_put = false;
             if active[member] {
-                commit(
-                    minimisation,
-                    &states[member],
-                    physics,
-                    instance.borrow_mut(),
-                );
+                commit(minimisation, &states[member], physics, instance);
             }
         });
     }

@@ -5,7 +5,7 @@ use super::gpu::{OpenedGpu, SkinBuffer};
 #[cfg(feature = "gpu")]
 use crate::gpu::{AdapterChoice, GpuDevice};
 use crate::material::Material;
-use crate::model::Avatar;
+use crate::model::{Avatar, State};
 use crate::potential::{BlockPattern, CpuPotential, EvaluationTimings, HessianForm, Potential};
 #[cfg(feature = "gpu")]
 use crate::potential::{GpuOptions, GpuPotential};
@@ -201,6 +201,28 @@ impl Evaluator {
             .await)
     }
 
+    pub async fn read_previous_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .read_previous_skin(instance, positions)
+            .await)
+    }
+
+    pub async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        either!(self, |potential| potential
+            .read_contacts(instance, state, forces, pressures)
+            .await)
+    }
+
     /// Where the skin of an instance is on the device; none on the CPU.
     #[cfg(feature = "gpu")]
     pub fn skin_buffer(&self, instance: usize) -> Option<SkinBuffer<'_>> {
@@ -208,8 +230,10 @@ impl Evaluator {
             Self::Cpu(_) => None,
             Self::Gpu(potential) => Some(SkinBuffer {
                 buffer: potential.skin_buffer(),
+                previous: potential.previous_skin_buffer(),
                 range: potential.skin_range(instance),
                 origin: potential.skin_origin(instance),
+                previous_origin: potential.previous_skin_origin(instance),
             }),
         }
     }

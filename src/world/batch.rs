@@ -117,6 +117,8 @@ impl Batch {
             self.physics.skeleton = SkeletonModel::new(&avatar);
             (self.characters.iter_mut()).for_each(|character| character.set_avatar(&avatar));
         }
+        // Another evaluator knows no skin of theirs.
+        (self.characters.iter_mut()).for_each(|character| character.instance.was_put = true);
         self.avatar = avatar;
         self.room = room;
         let missing = room.instances.saturating_sub(self.characters.len());

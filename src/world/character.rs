@@ -154,6 +154,7 @@ impl Character {
             move_frame(&mut target.frame);
             move_frame(&mut target.previous);
         }
+        instance.was_put = true;
         self.placement = *placement;
         Ok(())
     }
@@ -164,6 +165,7 @@ impl Character {
         let state = &mut self.instance.state;
         state.handles.fill(DVec3::ZERO);
         self.instance.previous.clone_from(state);
+        self.instance.was_put = true;
     }
 
     /// From the next step on its tissue does not move: the bones go on following what drives them.
@@ -246,6 +248,7 @@ impl Character {
         }
         let instance = &mut self.instance;
         instance.previous.clone_from(&instance.state);
+        instance.was_put = true;
         for target in &mut instance.targets {
             target.previous = target.frame;
         }

@@ -14,7 +14,8 @@ use crate::model::State;
 #[cfg(feature = "gpu")]
 use crate::potential::GpuRecorder;
 use crate::potential::{
-    CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, StepEnd, StepStart, Trial,
+    CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, PreviousSkin, StepEnd,
+    StepStart, Trial,
 };
 use crate::sim::Members;
 use std::ops::Range;
@@ -220,26 +221,29 @@ impl Members for Evaluators {
     }
 
     /// Only submits on the GPU: who draws from there needs to wait for nothing.
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
         #[cfg(feature = "gpu")]
         if let Some(shared) = &mut self.shared {
             let submission = shared.begin();
             for asset in &mut self.list {
-                let states = &states[asset.members.clone()];
+                let range = asset.members.clone();
+                let (states, previous) = (&states[range.clone()], &previous[range]);
                 if let Some(potential) = asset.evaluator.on_gpu()
                     && !states.is_empty()
                 {
-                    potential.recorder().record_pose_skin(states, submission)?;
+                    let recorder = potential.recorder();
+                    recorder.record_pose_skin(states, previous, submission)?;
                 }
             }
             submission.flush();
         }
         for asset in &mut self.list {
-            let states = &states[asset.members.clone()];
+            let range = asset.members.clone();
+            let (states, previous) = (&states[range.clone()], &previous[range]);
             if let Some(potential) = asset.evaluator.on_cpu()
                 && !states.is_empty()
             {
-                Potential::pose_skin(potential, states).await?;
+                Potential::pose_skin(potential, states, previous).await?;
             }
         }
         Ok(())

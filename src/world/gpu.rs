@@ -17,10 +17,15 @@ pub struct SkinBuffer<'a> {
     /// A `VERTEX | STORAGE` buffer of the instances of an asset; of each vertex 32 bytes: the position in the first 12,
     /// m, and the normal in 12 from the 16th on. A world that grows makes another: ask before each frame.
     pub buffer: &'a wgpu::Buffer,
-    /// Which bytes are the instance's.
+    /// The same at the step before, in the same bytes of another buffer: for motion vectors. It is the present skin where
+    /// [`World::read_previous_skin`](super::World::read_previous_skin) says so.
+    pub previous: &'a wgpu::Buffer,
+    /// Which bytes are the instance's, from a multiple of 256 on: it may be bound alone as storage.
     pub range: Range<u64>,
     /// What its positions are relative to, m, in the world: draw with this translation.
     pub origin: DVec3,
+    /// What the previous positions are relative to, m, in the world.
+    pub previous_origin: DVec3,
 }
 
 /// A device, and the kernels that were compiled for it so far.

@@ -18,6 +18,7 @@
 //! | `contents` | the world, its avatars and their instances |
 //! | `colliders`, `bodies` | what all avatars meet |
 //! | `skins` | the posed skins, for who draws them |
+//! | `contacts` | what presses where on them |
 //! | `meetings` | who touches what in a step |
 //! | `step` | a step |
 //! | `snapshot` | all that moves, as bytes and back |
@@ -27,6 +28,7 @@ mod batch;
 mod bodies;
 mod character;
 mod colliders;
+mod contacts;
 mod contents;
 mod driving;
 mod evaluators;

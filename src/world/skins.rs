@@ -5,6 +5,7 @@ use super::contents::World;
 use super::gpu::SkinBuffer;
 use super::keys::InstanceId;
 use crate::Result;
+use crate::potential::PreviousSkin;
 use crate::sim::Members;
 use glam::DVec3;
 
@@ -29,12 +30,39 @@ impl World {
         evaluator.read_skin(place, positions, normals).await
     }
 
+    /// The positions (m, world) of [`World::read_skin`] at the step before: a renderer draws motion blur and reprojects
+    /// by the way between the two. They are the present ones where there is no such way: before an instance's first step,
+    /// after `reset`, `teleport_to` and a step longer than [`LONGEST_STEP`](super::LONGEST_STEP), and where its asset has
+    /// got more room.
+    ///
+    /// # Errors
+    /// A key of none; a lost device.
+    pub async fn read_previous_skin(
+        &mut self,
+        instance: InstanceId,
+        positions: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        let (asset, place) = self.find(instance)?;
+        if !self.posed {
+            self.pose().await?;
+        }
+        let evaluator = self.evaluators.get_mut(asset);
+        evaluator.read_previous_skin(place, positions).await
+    }
+
     /// Poses the skins of the present states.
     async fn pose(&mut self) -> Result<()> {
         self.number()?;
         let characters = self.batches.iter().flat_map(|batch| &batch.characters);
-        let states: Vec<_> = characters.map(|c| c.instance.state.clone()).collect();
-        self.evaluators.pose_skin(&states).await?;
+        let instances = characters.map(|c| &c.instance);
+        let states: Vec<_> = instances.clone().map(|i| i.state.clone()).collect();
+        // No step has been made since the last: what has moved by itself has not.
+        let previous = instances.map(|instance| match instance.was_put {
+            true => PreviousSkin::New,
+            false => PreviousSkin::Kept,
+        });
+        let previous: Vec<_> = previous.collect();
+        self.evaluators.pose_skin(&states, &previous).await?;
         self.posed = true;
         Ok(())
     }
@@ -70,6 +98,19 @@ impl World {
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
         pollster::block_on(self.read_skin(instance, positions, normals))
+    }
+
+    /// [`World::read_previous_skin`] on this thread until it is done.
+    ///
+    /// # Errors
+    /// As [`World::read_previous_skin`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_previous_skin_blocking(
+        &mut self,
+        instance: InstanceId,
+        positions: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        pollster::block_on(self.read_previous_skin(instance, positions))
     }
 
     /// A box that holds the skin of an instance, for culling: lowest and highest corner, m, in the world. It is made from

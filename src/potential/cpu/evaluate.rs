@@ -42,7 +42,7 @@ pub(super) struct Instance {
     arms: Vec<DVec3>,
     tangents: Vec<Mat9>,
     slips: Vec<Slip>,
-    contacts: Vec<ContactRow>,
+    pub contacts: Vec<ContactRow>,
     levers: Vec<DVec3>,
     contact_rows: ContactRows,
     gradient: Vec<DVec3>,
@@ -140,11 +140,17 @@ impl Instance {
             || step.contact(asset, motion, &mut self.touching),
             || evaluate_points(asset, step, motion, wanted, points),
         );
+        let count = self.list_contacts(asset);
+        self.evaluate_levers(asset);
+        count
+    }
+
+    /// The rows of what touches, the normals' before friction's; how many contacts there are.
+    pub fn list_contacts<B: Basis>(&mut self, asset: &Asset<B>) -> usize {
         let areas = &asset.avatar.skin.measure;
-        let (candidates, colliders) = (&self.touching.candidates, &step.colliders);
+        let (candidates, colliders) = (&self.touching.candidates, &self.step.colliders);
         let count = compact(candidates, areas, colliders, &mut self.contacts);
         self.evaluate_slips(asset);
-        self.evaluate_levers(asset);
         count
     }
 

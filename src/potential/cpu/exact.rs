@@ -4,7 +4,8 @@ use super::{Basis, CpuPotential};
 use crate::Result;
 use crate::model::{BasisEntry, Space, State};
 use crate::potential::{
-    BlockPattern, Evaluation, EvaluationTimings, HessianForm, Potential, StepEnd, StepStart, Trial,
+    BlockPattern, Evaluation, EvaluationTimings, HessianForm, Potential, PreviousSkin, StepEnd,
+    StepStart, Trial,
 };
 use glam::DVec3;
 
@@ -76,8 +77,8 @@ impl<B: Basis> Potential for Exact<B> {
         self.0.energy_differences(trials, out).await
     }
 
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        self.0.pose_skin(states).await
+    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
+        self.0.pose_skin(states, previous).await
     }
 
     async fn read_skin(

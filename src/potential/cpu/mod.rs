@@ -9,6 +9,7 @@ mod basis;
 mod begin_step;
 pub mod compact;
 pub mod contact;
+pub(crate) mod contact_forces;
 mod dense_hessian;
 pub mod displacement;
 pub mod elasticity;
@@ -51,7 +52,7 @@ use crate::math::{Rows, Stopwatch, in_pool, par_each, par_split};
 use crate::model::{Avatar, BasisEntry, Space, State};
 use crate::potential::checks::Checks;
 use crate::potential::{
-    BlockPattern, Evaluation, EvaluationTimings, Potential, StepEnd, StepStart, Trial,
+    BlockPattern, Evaluation, EvaluationTimings, Potential, PreviousSkin, StepEnd, StepStart, Trial,
 };
 use asset::Asset;
 use evaluate::Instance;
@@ -99,6 +100,33 @@ impl<B: Basis> CpuPotential<B> {
     /// Whether `block` is a prescribed frame's in the step that `instance` has begun.
     fn is_prescribed(&self, instance: usize, block: usize) -> bool {
         point_hessian::is_prescribed(&self.instances[instance].step.prescribed, block)
+    }
+
+    /// Positions (m, world) of the posed skin of the step before.
+    pub(crate) async fn read_previous_skin(
+        &self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        self.checks.instance(instance)?;
+        positions.clone_from(&self.instances[instance].posed_skin.previous);
+        Ok(())
+    }
+
+    /// Contact and friction on each skin vertex at `state`, from the instance's start: force, N, and pressure, Pa.
+    pub(crate) async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        self.checks.instance(instance)?;
+        self.checks.begun(instance, self.has_begun(instance))?;
+        self.checks.state(state)?;
+        let (asset, instance) = (&self.asset, &mut self.instances[instance]);
+        in_pool(|| instance.contact_forces(asset, state, forces, pressures));
+        Ok(())
     }
 
     fn has_begun(&self, instance: usize) -> bool {
@@ -207,12 +235,13 @@ impl<B: Basis> Potential for CpuPotential<B> {
         Ok(())
     }
 
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        self.checks.poses(states)?;
+    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
+        self.checks.poses(states, previous)?;
         let asset = &self.asset;
         in_pool(|| {
             par_each(&mut self.instances, 1, |i, instance| {
-                instance.posed_skin.pose(asset, &states[i]);
+                let previous = previous.get(i).copied().unwrap_or(PreviousSkin::Kept);
+                instance.posed_skin.pose(asset, &states[i], previous);
             });
         });
         Ok(())

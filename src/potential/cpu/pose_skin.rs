@@ -6,6 +6,7 @@ use super::normals::normal;
 use super::skin::skin;
 use crate::math::{Strided, par_each, par_split};
 use crate::model::{State, pose_feature_into};
+use crate::potential::PreviousSkin;
 use crate::potential::cpu::begin_step::VERTEX_GRAIN;
 use glam::DVec3;
 
@@ -17,6 +18,8 @@ pub(super) struct PosedSkin {
     /// x̄ of the drawn pose: the next step starts from it, as a rule.
     rest: Vec<DVec3>,
     pub positions: Vec<DVec3>,
+    /// Positions at the step before, m.
+    pub previous: Vec<DVec3>,
     pub normals: Vec<DVec3>,
 }
 
@@ -28,7 +31,10 @@ impl PosedSkin {
     }
 
     /// Poses the skin of `state` with x̄ of its own pose.
-    pub fn pose<B: Basis>(&mut self, asset: &Asset<B>, state: &State) {
+    pub fn pose<B: Basis>(&mut self, asset: &Asset<B>, state: &State, previous: PreviousSkin) {
+        if previous == PreviousSkin::Last {
+            std::mem::swap(&mut self.previous, &mut self.positions);
+        }
         let (skeleton, points) = (&asset.avatar.skeleton, &asset.avatar.skin);
         pose_feature_into(&skeleton.parents, &state.frames, &mut self.feature);
         let feature = &self.feature;
@@ -58,5 +64,8 @@ impl PosedSkin {
         par_each(&mut self.normals, VERTEX_GRAIN, |v, out| {
             *out = normal(positions, v, asset.vertex_triangles.row(v));
         });
+        if previous == PreviousSkin::New {
+            self.previous.clone_from(positions);
+        }
     }
 }

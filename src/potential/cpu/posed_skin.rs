@@ -57,7 +57,9 @@ mod tests {
         let mut reference = CpuPotential::new(avatar.clone(), 1).unwrap();
         let (mut drawn, mut normals) = (Vec::new(), Vec::new());
         pollster::block_on(async {
-            reference.pose_skin(std::slice::from_ref(&state)).await?;
+            reference
+                .pose_skin(std::slice::from_ref(&state), &[])
+                .await?;
             reference.read_skin(0, &mut drawn, &mut normals).await
         })
         .unwrap();

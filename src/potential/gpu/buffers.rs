@@ -70,8 +70,9 @@ buffers! {
         partial_energies: PartialEnergy = zeroed(n.states * n.partial_energies),
         summaries: Summary = zeroed(n.states),
         result: f32 = zeroed(n.instances * n.result),
-        // The posed skin of every instance, and its x̄.
-        skin_vertices: SkinVertex = vertices(n.instances * n.vertices),
+        // The posed skin of every instance, that of the step before, and its x̄.
+        skin_vertices: SkinVertex = vertices(n.instances * n.skin_stride),
+        previous_skin_vertices: SkinVertex = vertices(n.instances * n.skin_stride),
         posed_skin_unposed: [f32; 4] = zeroed(n.instances * n.vertices),
     }
 }

@@ -24,14 +24,10 @@ pub(super) fn geometric_terms(
     };
     out.resize(recorder.pattern.len(), [0.0; 9]);
     let (skin, joints) = (&recorder.avatar.skin, &recorder.avatar.skeleton.joints);
-    let mut rows = contacts
-        .chunks_exact(size_of::<Contact>())
-        .map(bytemuck::pod_read_unaligned::<Contact>);
-    let count = rows.next().map_or(0, |header| header.body);
+    let (_, rows) = contact_rows(contacts, skin.len());
     // A device that went wrong may bring anything.
-    let frames = state.frames.len();
-    let exists = |row: &Contact| (row.vertex as usize) < skin.len() && row.body as usize <= frames;
-    let rows = rows.take(count as usize);
+    let frames = state.frames.len() as u32;
+    let exists = |row: &ContactRow| row.body.is_none_or(|body| body < frames);
     for row in rows.filter(|row| row.force != 0.0 && exists(row)) {
         let v = row.vertex as usize;
         let mut rest = [DVec3::ZERO];
@@ -42,14 +38,29 @@ pub(super) fn geometric_terms(
             basis,
             unposed: rest[0] + unposed_displacement(basis, &state.handles),
         };
-        let row = ContactRow {
-            vertex: row.vertex,
-            body: row.body.checked_sub(1),
-            direction: Vec3::from_array(row.direction).as_dvec3(),
-            force: row.force.into(),
-            stiffness: row.stiffness.into(),
-        };
         let pattern = (&recorder.pattern, &start.prescribed[..]);
         add_geometric(pattern, &row, &vertex, joints, &state.frames, out);
     }
+}
+
+/// How many contacts were found, and the rows of those that there was room for, as read back. Rows of vertices that the
+/// skin has not are left out: a device that went wrong may bring anything.
+pub(super) fn contact_rows(
+    bytes: &[u8],
+    vertices: usize,
+) -> (usize, impl Iterator<Item = ContactRow>) {
+    let mut rows = bytes
+        .chunks_exact(size_of::<Contact>())
+        .map(bytemuck::pod_read_unaligned::<Contact>);
+    let header = rows.next().unwrap_or_default();
+    let rows = rows.take(header.body as usize);
+    let rows = rows.filter(move |row| (row.vertex as usize) < vertices);
+    let row = |row: Contact| ContactRow {
+        vertex: row.vertex,
+        body: row.body.checked_sub(1),
+        direction: Vec3::from_array(row.direction).as_dvec3(),
+        force: row.force.into(),
+        stiffness: row.stiffness.into(),
+    };
+    (header.vertex as usize, rows.map(row))
 }

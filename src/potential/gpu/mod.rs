@@ -8,8 +8,8 @@
 //! - **The stages.** `stage` is what they have in common; then one file a kernel; `stages` is all of them, and `kernels`
 //!   their pipelines, which potentials of one material law share.
 //! - **A step.** `recorder` is what is made once for a batch of avatars, `upload` sends states, `begin_step`, `geometric`,
-//!   `evaluate`, `end_step`, `energy_differences` and `pose_skin` record the stages into a submission and unpack what it
-//!   brings back; `potential` submits and awaits, `profile` times the stages one by one.
+//!   `evaluate`, `end_step`, `energy_differences`, `pose_skin` and `contact_forces` record the stages into a submission and
+//!   unpack what it brings back; `potential` submits and awaits, `profile` times the stages one by one.
 
 // What the kernels see.
 mod pack;
@@ -47,6 +47,7 @@ mod kernels;
 
 // A step.
 mod begin_step;
+mod contact_forces;
 mod end_step;
 mod energy_differences;
 mod evaluate;

@@ -5,6 +5,7 @@ use super::shared::BatchState;
 use super::stage::Stage;
 use crate::gpu::Submission;
 use crate::model::State;
+use crate::potential::PreviousSkin;
 use crate::{Error, Result};
 
 impl Recorder {
@@ -15,9 +16,10 @@ impl Recorder {
     pub fn record_pose_skin(
         &mut self,
         states: &[State],
+        previous: &[PreviousSkin],
         submission: &mut Submission,
     ) -> Result<()> {
-        self.checks.poses(states)?;
+        self.checks.poses(states, previous)?;
         let (instances, sizes) = (self.starts.len(), self.buffers.sizes);
         let first = sizes.slots;
         self.clear_uploads();
@@ -35,6 +37,7 @@ impl Recorder {
             self.push_features(state);
         }
         let features = self.features.len() / instances;
+        self.keep_skins(previous, PreviousSkin::Last, submission);
         for (i, state) in states.iter().enumerate() {
             self.skin_origins[i] = state.frames[0].position;
             self.posed_features[i].clear();
@@ -50,6 +53,33 @@ impl Recorder {
             stages.skin.dispatch(pass, batch);
             stages.normals.dispatch(pass, batch);
         });
+        self.keep_skins(previous, PreviousSkin::New, submission);
         Ok(())
+    }
+
+    /// Makes what is posed the previous skin of the instances that `previous` has as `wanted`.
+    fn keep_skins(
+        &mut self,
+        previous: &[PreviousSkin],
+        wanted: PreviousSkin,
+        submission: &mut Submission,
+    ) {
+        let common = &self.buffers.common;
+        let (from, to) = (&common.skin_vertices, &common.previous_skin_vertices);
+        let mut first = 0;
+        // Neighbours go in one copy.
+        for run in previous.chunk_by(|a, b| a == b) {
+            let instances = first..first + run.len();
+            first = instances.end;
+            if run[0] == wanted {
+                let (start, end) = (instances.start, instances.end - 1);
+                let bytes = self.skin_range(start).start..self.skin_range(end).end;
+                let (at, size) = (bytes.start, bytes.end - bytes.start);
+                let encoder = submission.encoder();
+                encoder.copy_buffer_to_buffer(from.raw(), at, to.raw(), at, size);
+                self.previous_skin_origins[instances.clone()]
+                    .copy_from_slice(&self.skin_origins[instances]);
+            }
+        }
     }
 }

@@ -4,14 +4,14 @@ use super::kernels::GpuKernels;
 use super::options::GpuOptions;
 use super::recorder::Recorder;
 use super::shared::SkinVertex;
-use crate::gpu::{AdapterDescription, Listener, Patience, Submission};
+use crate::gpu::{AdapterDescription, Bytes, Listener, Patience, Submission};
 use crate::math::Stopwatch;
 use crate::model::{Avatar, Space, State};
 use crate::potential::{
-    BlockPattern, Evaluation, EvaluationTimings, Potential, StepEnd, StepStart, Trial,
+    BlockPattern, Evaluation, EvaluationTimings, Potential, PreviousSkin, StepEnd, StepStart, Trial,
 };
 use crate::{Error, GpuError, Result};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -74,7 +74,7 @@ impl GpuPotential {
         let recorder = Recorder::new(device, queue, kernels, avatar, instances, options)?;
         let submission = |label, bytes| Submission::new(device, queue, label, bytes, patience);
         let results = submission("results of the tissue", recorder.room_to_read())?;
-        let skin_submission = submission("posed skin", recorder.skin_bytes())?;
+        let skin_submission = submission("posed skin", recorder.skin_range(0).end)?;
         memory_error(listener)?;
         Ok(Self {
             submission: results,
@@ -94,16 +94,69 @@ impl GpuPotential {
         self.recorder.buffers.common.skin_vertices.raw()
     }
 
-    /// Bytes of [`GpuPotential::skin_buffer`] that hold `instance`.
+    /// Bytes of [`GpuPotential::skin_buffer`] that hold `instance`. They begin at a multiple of 256, so that a host may bind
+    /// them alone.
     pub fn skin_range(&self, instance: usize) -> Range<u64> {
-        let bytes = self.recorder.skin_bytes();
-        instance as u64 * bytes..(instance as u64 + 1) * bytes
+        self.recorder.skin_range(instance)
     }
 
     /// What the positions in [`GpuPotential::skin_buffer`] are relative to, in world space: the root's
     /// place. Draw with this translation.
     pub fn skin_origin(&self, instance: usize) -> DVec3 {
         self.recorder.skin_origins[instance]
+    }
+
+    /// The posed skin of the step before, in the same bytes as [`GpuPotential::skin_buffer`]'s.
+    pub(crate) fn previous_skin_buffer(&self) -> &wgpu::Buffer {
+        self.recorder.buffers.common.previous_skin_vertices.raw()
+    }
+
+    /// What the positions in [`GpuPotential::previous_skin_buffer`] are relative to.
+    pub(crate) fn previous_skin_origin(&self, instance: usize) -> DVec3 {
+        self.recorder.previous_skin_origins[instance]
+    }
+
+    /// Positions (m, world) of the posed skin of the step before.
+    pub(crate) async fn read_previous_skin(
+        &mut self,
+        instance: usize,
+        positions: &mut Vec<DVec3>,
+    ) -> Result<()> {
+        self.recorder.checks.instance(instance)?;
+        let origin = self.previous_skin_origin(instance);
+        let vertices = self.previous_skin_buffer().clone();
+        let bytes = self.read_vertices(&vertices, instance).await?;
+        positions.clear();
+        let position = |v: SkinVertex| origin + Vec3::from_array(v.position).as_dvec3();
+        positions.extend(vertices_of(&bytes).map(position));
+        Ok(())
+    }
+
+    /// Contact and friction on each skin vertex at `state`, from the instance's start: force, N, and pressure, Pa.
+    pub(crate) async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        (self.recorder).record_contacts(instance, state, &mut self.submission)?;
+        let bytes = self.submission.read().await?;
+        self.recorder.finish_contacts(&bytes, forces, pressures)
+    }
+
+    /// What `vertices`, a buffer of skins, holds of an instance.
+    async fn read_vertices(
+        &mut self,
+        vertices: &wgpu::Buffer,
+        instance: usize,
+    ) -> Result<Bytes<'_>> {
+        let range = self.skin_range(instance);
+        let at = (self.skin_submission).reserve(range.end - range.start)?;
+        if !at.is_empty() {
+            self.skin_submission.copy(vertices, range, at.start);
+        }
+        self.skin_submission.read().await
     }
 
     /// Another submission, with room for `bytes` to read back, for who steps several potentials together.
@@ -149,6 +202,12 @@ impl GpuPotential {
         submission.copy(buffer, 0..buffer.size(), at);
         Ok(submission.read().await?.to_vec())
     }
+}
+
+/// The vertices in `bytes`.
+fn vertices_of(bytes: &[u8]) -> impl Iterator<Item = SkinVertex> {
+    let vertices = bytes.chunks_exact(size_of::<SkinVertex>());
+    vertices.map(bytemuck::pod_read_unaligned)
 }
 
 /// What the driver refused since.
@@ -237,8 +296,8 @@ impl Potential for GpuPotential {
     }
 
     /// Submits: what is drawn from may be used by the host's next submission.
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        (self.recorder).record_pose_skin(states, &mut self.submission)?;
+    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
+        (self.recorder).record_pose_skin(states, previous, &mut self.submission)?;
         self.submission.flush();
         Ok(())
     }
@@ -250,20 +309,14 @@ impl Potential for GpuPotential {
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
         self.recorder.checks.instance(instance)?;
-        let range = self.skin_range(instance);
-        let at = (self.skin_submission).reserve(range.end - range.start)?;
-        if !at.is_empty() {
-            let buffer = self.recorder.buffers.common.skin_vertices.raw();
-            self.skin_submission.copy(buffer, range, at.start);
-        }
         let origin = self.skin_origin(instance);
-        let bytes = self.skin_submission.read().await?;
+        let vertices = self.recorder.buffers.common.skin_vertices.raw().clone();
+        let bytes = self.read_vertices(&vertices, instance).await?;
         positions.clear();
         normals.clear();
-        for bytes in bytes.chunks_exact(size_of::<SkinVertex>()) {
-            let vertex: SkinVertex = bytemuck::pod_read_unaligned(bytes);
-            positions.push(origin + glam::Vec3::from_array(vertex.position).as_dvec3());
-            normals.push(glam::Vec3::from_array(vertex.normal).as_dvec3());
+        for vertex in vertices_of(&bytes) {
+            positions.push(origin + Vec3::from_array(vertex.position).as_dvec3());
+            normals.push(Vec3::from_array(vertex.normal).as_dvec3());
         }
         Ok(())
     }

@@ -53,6 +53,7 @@ pub struct Recorder {
     pub(super) stages: Stages,
     pub(super) starts: Vec<Option<Start>>,
     pub(super) skin_origins: Vec<DVec3>,
+    pub(super) previous_skin_origins: Vec<DVec3>,
     /// Pose features of each instance's posed skin; empty before it is posed.
     pub(super) posed_features: Vec<Vec<f32>>,
     /// The recordings in which the parts of the uploads were last written: the starts', the states', and that of the
@@ -101,6 +102,7 @@ impl Recorder {
             stages: Stages::new(kernels.stages(), &buffers)?,
             starts: vec![None; instances],
             skin_origins: vec![DVec3::ZERO; instances],
+            previous_skin_origins: vec![DVec3::ZERO; instances],
             posed_features: vec![Vec::new(); instances],
             starts_recording: 0,
             states_recording: 0,
@@ -135,9 +137,11 @@ impl Recorder {
         self.buffers.sizes.room_to_read()
     }
 
-    /// Bytes of an instance's posed skin.
-    pub(super) fn skin_bytes(&self) -> u64 {
-        (self.avatar.skin.len() * size_of::<SkinVertex>()) as u64
+    /// Bytes of `instance`'s posed skin among all instances'.
+    pub(super) fn skin_range(&self, instance: usize) -> Range<u64> {
+        let bytes = |vertices: usize| vertices as u64 * size_of::<SkinVertex>() as u64;
+        let first = bytes(instance * self.buffers.sizes.skin_stride);
+        first..first + bytes(self.avatar.skin.len())
     }
 
     pub(super) fn patience(&self) -> Patience {

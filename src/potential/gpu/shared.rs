@@ -37,8 +37,10 @@ host_shareable! {
         pub vertex_groups: u32,
         /// ρ, kg/m³.
         pub density: f32,
+        /// From an instance's posed skin to the next one's, vertices.
+        pub skin_stride: u32,
         /// Padding.
-        pub _pad: [u32; 2],
+        pub _pad: u32,
     }
 
     /// One state of a batch (kernels/shared/batch.wgsl).

@@ -2,10 +2,14 @@
 
 use super::dispatch::{Batch, CHUNK_STRIDE, workgroups};
 use super::options::GpuOptions;
-use super::shared::{Constants, Contact, Summary};
+use super::shared::{Constants, Contact, SkinVertex, Summary};
 use super::tables::Tables;
 use crate::model::Avatar;
 use crate::{GpuError, Result};
+
+/// An instance's posed skin begins at a multiple of this, bytes: WebGPU's `min_storage_buffer_offset_alignment`, so that a
+/// host may bind it alone.
+const SKIN_ALIGNMENT: usize = 256;
 
 /// Rows that `contacts` active contacts may have: one along the normal each, and two of friction.
 fn row_room(contacts: usize) -> usize {
@@ -28,6 +32,8 @@ pub(super) struct Sizes {
     pub points: usize,
     /// Vertices of the skin.
     pub vertices: usize,
+    /// From an instance's posed skin to the next one's, vertices.
+    pub skin_stride: usize,
     pub bones: usize,
     pub handles: usize,
     /// Pose features, the most of any set of points.
@@ -90,6 +96,7 @@ impl Sizes {
             uploads: states.saturating_add(instances.saturating_mul(2)),
             points,
             vertices,
+            skin_stride: vertices.next_multiple_of(SKIN_ALIGNMENT / size_of::<SkinVertex>()),
             bones: space.frames,
             handles: space.handles,
             features: (avatar.cubature.pose_blend.features).max(avatar.skin.pose_blend.features),
@@ -177,6 +184,7 @@ impl Sizes {
             point_groups: workgroups(self.points),
             vertex_groups: workgroups(self.vertices),
             density: avatar.density as f32,
+            skin_stride: self.skin_stride as u32,
             ..Constants::default()
         }
     }

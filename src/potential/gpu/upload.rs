@@ -45,21 +45,36 @@ impl Recorder {
         (self.checks).states(states, wanted, self.starts.len(), begun)?;
         self.clear_uploads();
         for (i, state) in states.iter().enumerate().filter(|(i, _)| wanted[*i]) {
-            let Start {
-                origin,
-                current,
-                batch_state,
-                ..
-            } = self.start(i)?.clone();
-            let batch_state = BatchState {
-                slot: (self.starts.len() + self.batch.len()) as u32,
-                base: i as u32,
-                ..batch_state
-            };
-            if !self.push_state(batch_state, &current, state, origin) {
-                let quantity = "state in f32";
-                return Err(Error::NotFinite { quantity });
-            }
+            self.push_from_start(i, state)?;
+        }
+        Ok(())
+    }
+
+    /// [`Recorder::push_states`] of one alone.
+    pub(super) fn push_one_state(&mut self, instance: usize, state: &State) -> Result<()> {
+        self.results = 0..0;
+        self.checks.instance(instance)?;
+        self.checks.state(state)?;
+        self.clear_uploads();
+        self.push_from_start(instance, state)
+    }
+
+    /// Appends a state of instance `i`, measured from its start.
+    fn push_from_start(&mut self, i: usize, state: &State) -> Result<()> {
+        let Start {
+            origin,
+            current,
+            batch_state,
+            ..
+        } = self.start(i)?.clone();
+        let batch_state = BatchState {
+            slot: (self.starts.len() + self.batch.len()) as u32,
+            base: i as u32,
+            ..batch_state
+        };
+        if !self.push_state(batch_state, &current, state, origin) {
+            let quantity = "state in f32";
+            return Err(Error::NotFinite { quantity });
         }
         Ok(())
     }

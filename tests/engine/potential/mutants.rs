@@ -221,9 +221,11 @@ const MUTANTS: &[Mutant] = &[
     // skin
     ("skin", "skin.wgsl", "unposed[at]", "unposed[i]"),
     ("skin", "skin.wgsl", "skinned_position(point, t, state.slot * constants.bones)", "skinned_position(point, t, 0u)"),
+    ("skin", "skin.wgsl", "state.instance * constants.skin_stride", "state.instance * constants.points"),
     ("skin", "shared/point_motion.wgsl", "t += u.weight * (", "t -= u.weight * ("),
     // normals
     ("normals", "normals.wgsl", "n += cross", "n -= cross"),
+    ("normals", "normals.wgsl", "constants.skin_stride", "constants.points"),
     ("normals", "normals.wgsl", "skin_vertices[first + edge.y].position - v)", "skin_vertices[first + edge.y].position)"),
     ("normals", "normals.wgsl", "var k = one_ring_rows[i]", "var k = one_ring_rows[i] + 1u"),
     ("normals", "normals.wgsl", "n / length", "n"),

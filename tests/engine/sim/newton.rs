@@ -3,7 +3,9 @@
 use supple::glam::{DMat3, DVec3};
 use supple::internal::random_avatar;
 use supple::model::{Avatar, Space, State};
-use supple::potential::{BlockPattern, Evaluation, Potential, StepEnd, StepStart, Trial};
+use supple::potential::{
+    BlockPattern, Evaluation, Potential, PreviousSkin, StepEnd, StepStart, Trial,
+};
 use supple::sim::{Iteration, Pin, Settings, Simulation, SolverMode, StepReport, Stop};
 use supple::{Error, Result};
 
@@ -97,7 +99,7 @@ impl Potential for Toy {
         }
         Ok(())
     }
-    async fn pose_skin(&mut self, _: &[State]) -> Result<()> {
+    async fn pose_skin(&mut self, _: &[State], _: &[PreviousSkin]) -> Result<()> {
         Ok(())
     }
     async fn read_skin(&mut self, _: usize, _: &mut Vec<DVec3>, _: &mut Vec<DVec3>) -> Result<()> {

@@ -1,6 +1,6 @@
 //! Worlds on the GPU: in step with those on the CPU, one submission a question, the skin where it is drawn from.
 
-use super::limb;
+use super::{contacts, limb, previous_skins};
 use supple::collider::Shape;
 use supple::glam::{DVec3, Vec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
@@ -238,6 +238,7 @@ fn the_skin_is_where_it_is_drawn_from() -> Result<()> {
         let skin = world.skin_buffer(limb)?.expect("on the GPU");
         let size = skin.range.end - skin.range.start;
         assert_eq!(size, 32 * positions.len() as u64);
+        assert_eq!(skin.range.start % 256, 0);
         let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size,
@@ -260,6 +261,71 @@ fn the_skin_is_where_it_is_drawn_from() -> Result<()> {
     let (on_cpu, limbs, _) = box_between(Backend::Cpu)?;
     assert!(on_cpu.skin_buffer(limbs[0])?.is_none());
     Ok(())
+}
+
+/// Instances' ranges begin where a host may bind them, whatever the number of vertices.
+#[test]
+fn the_skin_of_an_instance_may_be_bound_alone() -> Result<()> {
+    let gpu = device();
+    let (world, _, keys) = previous_skins::three(on_gpu(&gpu))?;
+    let binding = wgpu::BindGroupLayoutEntry {
+        binding: 0,
+        visibility: wgpu::ShaderStages::VERTEX,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let layout = (gpu.device).create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &[binding],
+    });
+    let mut ends = Vec::new();
+    for key in keys {
+        let skin = world.skin_buffer(key)?.expect("on the GPU");
+        assert_eq!(skin.range.start % 256, 0, "{:?}", skin.range);
+        ends.push(skin.range.end % 256);
+        for buffer in [skin.buffer, skin.previous] {
+            let bound = wgpu::BufferBinding {
+                buffer,
+                offset: skin.range.start,
+                size: std::num::NonZero::new(skin.range.end - skin.range.start),
+            };
+            let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let _group = (gpu.device).create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &layout,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::Buffer(bound),
+                }],
+            });
+            assert!(pollster::block_on(scope.pop()).is_none());
+        }
+    }
+    // Or the second instance's would begin there by chance.
+    assert_ne!(ends[0], 0);
+    Ok(())
+}
+
+#[test]
+fn the_previous_skin_is_that_of_the_step_before() -> Result<()> {
+    let gpu = device();
+    let (world, avatar, keys) = previous_skins::three(on_gpu(&gpu))?;
+    previous_skins::check(world, avatar, keys)
+}
+
+#[test]
+fn forces_on_vertices_add_up_to_the_report() -> Result<()> {
+    let gpu = device();
+    let rounding = f64::from(f32::EPSILON) / 2.0;
+    // A force has some 10 roundings of its own, and one for each that is added before; here some tens touch.
+    let sum_bound = 100.0 * rounding;
+    // A place is some 20 roundings of 0.3 m off, in the skin and in the contacts.
+    let depth_bound = 2.0 * 20.0 * rounding * 0.3;
+    contacts::check(contacts::pressed(on_gpu(&gpu))?, sum_bound, depth_bound)
 }
 
 fn is_send<T: Send>(_: T) {}

@@ -2,9 +2,11 @@
 
 mod bodies;
 mod coming_and_going;
+mod contacts;
 mod driving;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod previous_skins;
 mod snapshots;
 
 use crate::support;

@@ -6,7 +6,7 @@ use supple::Error;
 use supple::file::{AvatarFile, Parts, Section, read_avatar, write_avatar};
 use supple::glam::{DAffine3, DVec3};
 use supple::internal::math::Random;
-use supple::model::{Avatar, Joint, JointBone, JointList, SkinJoints, UpAxis};
+use supple::model::{Avatar, Joint, JointBone, JointList, RenderMesh, SkinJoints, UpAxis};
 use supple_bake::{
     BakeCost, BakeReport, HandleCandidates, bake, baked_file, from_bytes, full_space, read_baked,
     to_bytes, write_baked,
@@ -167,6 +167,51 @@ fn a_section_that_is_not_known_is_passed_over_and_one_that_is_missing_is_named()
     hasher.update(&bytes[16..]);
     bytes[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
     assert!(problem(&bytes).contains("section skin: is not there"));
+}
+
+/// What only shading reads is a section of its own: a file of before is one without it.
+#[test]
+fn materials_and_tangents_come_back_and_have_defaults() {
+    let (mut avatar, _) = tiny();
+    let path = Path::new("limb.supple");
+    let part = RenderMesh {
+        name: "bar".into(),
+        material: "steel".into(),
+        vertices: vec![0, 1, 2],
+        texture_coordinates: vec![[0.0, 0.25]; 3],
+        triangles: vec![[0, 1, 2]],
+        ..RenderMesh::default()
+    };
+    avatar.render_meshes = vec![part.clone(), part];
+    let of_before = to_bytes(&avatar, None).unwrap();
+    assert!(!of_before.windows(4).any(|tag| tag == b"shad"));
+    assert_eq!(from_bytes(&of_before, path).unwrap().avatar, avatar);
+    avatar.render_meshes[1].material_index = Some(7);
+    avatar.render_meshes[1].tangents = vec![[0.0, 0.6, 0.8, -1.0]; 3];
+    let mut file = AvatarFile::new(avatar.clone());
+    let bytes = file.to_bytes(Parts::Step).unwrap();
+    let layer = std::mem::take(&mut avatar.layer);
+    assert_eq!(from_bytes(&bytes, path).unwrap().avatar, avatar);
+    avatar.layer = layer;
+    // The section of another number of parts.
+    let shading = (bytes.windows(4)).position(|tag| tag == b"shad").unwrap();
+    avatar.render_meshes.iter_mut().for_each(|part| {
+        part.material_index = None;
+        part.tangents.clear();
+    });
+    avatar.render_meshes.truncate(1);
+    file = AvatarFile::new(avatar.clone());
+    let length = u64::from_le_bytes(bytes[shading + 8..shading + 16].try_into().unwrap());
+    file.others.push(Section {
+        tag: *b"shad",
+        version: 1,
+        content: bytes[shading + 16..shading + 16 + length as usize].to_vec(),
+    });
+    assert!(problem(&file.to_bytes(Parts::All).unwrap()).contains("section shad"));
+    // Tangents that are not one a vertex.
+    avatar.render_meshes[0].tangents = vec![[1.0; 4]; 2];
+    let error = to_bytes(&avatar, None).unwrap_err().to_string();
+    assert!(error.contains("tangent"), "{error}");
 }
 
 #[test]

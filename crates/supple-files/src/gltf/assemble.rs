@@ -104,6 +104,7 @@ struct Soup {
 impl Soup {
     fn add(&mut self, part: &Part, placed: ReferencePart) {
         let first = self.positions.len();
+        let tangents = placed.tangents(&part.tangents);
         let flip = |[a, b, c]: [u32; 3]| {
             if placed.mirrored {
                 [a, c, b]
@@ -143,6 +144,8 @@ impl Soup {
             material: part.material.clone(),
             vertices: (first as u32..self.positions.len() as u32).collect(),
             texture_coordinates: part.texture_coordinates.clone(),
+            material_index: part.material_index,
+            tangents,
             triangles: part.triangles.iter().copied().map(flip).collect(),
         });
     }

@@ -19,6 +19,7 @@ const MOST_SETS: usize = 16;
 pub(super) struct Part {
     pub name: String,
     pub material: String,
+    pub material_index: Option<u32>,
     /// The node that shows it.
     pub node: usize,
     pub skin: Option<usize>,
@@ -26,6 +27,8 @@ pub(super) struct Part {
     /// Joints of the skin and weights that sum to 1; empty rows without a skin.
     pub influences: Rows<(u32, f64)>,
     pub texture_coordinates: Vec<[f32; 2]>,
+    /// Unit vectors and signs, or none at all.
+    pub tangents: Vec<[f64; 4]>,
     pub triangles: Vec<[u32; 3]>,
     pub morphs: Vec<Morph>,
     /// Application-specific scalars of the vertices (`_NAME`), by lower-case name.
@@ -113,12 +116,16 @@ impl Reader<'_> {
         Ok(Some(Part {
             name: (mesh.name.as_ref().or(node.name.as_ref()))
                 .map_or_else(|| format!("mesh_{n}"), Clone::clone),
+            material_index: (self.primitive.material)
+                .filter(|_| material.is_some())
+                .map(|m| m as u32),
             material: material.and_then(|m| m.name.clone()).unwrap_or_default(),
             node: n,
             skin: node.skin,
             positions: used.pick(&positions).map(DVec3::from_array).collect(),
             influences,
             texture_coordinates: self.texture_coordinates(count, &used)?,
+            tangents: self.tangents(count, &used)?,
             triangles: used.renumber(&triangles),
             morphs: self.morphs(node, mesh, count, &used)?,
             painted: self.painted(count, &used)?,
@@ -148,6 +155,15 @@ impl Reader<'_> {
         };
         let all = self.attribute::<2>((NAME, accessor), count)?;
         Ok(used.pick(&all).map(|uv| uv.map(|c| c as f32)).collect())
+    }
+
+    fn tangents(&self, count: usize, used: &Used) -> Result<Vec<[f64; 4]>> {
+        const NAME: &str = "TANGENT";
+        let Some(&accessor) = self.primitive.attributes.get(NAME) else {
+            return Ok(Vec::new());
+        };
+        let all = self.attribute::<4>((NAME, accessor), count)?;
+        Ok(used.pick(&all).collect())
     }
 
     /// Scalars of attributes whose names begin with an underscore, and the channels of vertex colours: `_SOFT` is the

@@ -75,3 +75,50 @@ impl Rig {
         Some(out)
     }
 }
+
+impl ReferencePart {
+    /// Tangents of the vertices in the reference shape, of those that the file has in the mesh's own coordinates.
+    pub fn tangents(&self, of_mesh: &[[f64; 4]]) -> Vec<[f32; 4]> {
+        let tangent = |(&[x, y, z, sign], linear): (&[f64; 4], &DMat3)| {
+            let tangent = (*linear * DVec3::new(x, y, z)).normalize_or_zero();
+            // A mirror turns n × t the other way round.
+            let sign = sign * linear.determinant();
+            let sign = if sign < 0.0 { -1.0 } else { 1.0 };
+            let [x, y, z] = tangent.as_vec3().to_array();
+            [x, y, z, sign]
+        };
+        of_mesh.iter().zip(&self.linear).map(tangent).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bitangent is where the map takes it, also through a mirror.
+    #[test]
+    fn tangents_go_with_their_part() {
+        let turn = DMat3::from_rotation_z(1.0) * DMat3::from_diagonal(DVec3::splat(3.0));
+        let mirror = turn * DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
+        let (normal, tangent) = (DVec3::Z, DVec3::X);
+        for (linear, sign) in [(turn, 1.0), (turn, -1.0), (mirror, 1.0), (mirror, -1.0)] {
+            let part = ReferencePart {
+                positions: Vec::new(),
+                skinning: Vec::new(),
+                linear: vec![linear],
+                mirrored: false,
+                cancelled: 0,
+            };
+            let [x, y, z] = tangent.to_array();
+            let [[x, y, z, w]] = part.tangents(&[[x, y, z, sign]])[..] else {
+                panic!("one tangent");
+            };
+            let moved = glam::Vec3::new(x, y, z).as_dvec3();
+            assert!(moved.distance((linear * tangent).normalize()) < 1e-6);
+            let normal = (linear.inverse().transpose() * normal).normalize();
+            let bitangent = f64::from(w) * normal.cross(moved);
+            let want = (linear * (sign * DVec3::Z.cross(tangent))).normalize();
+            assert!(bitangent.distance(want) < 1e-6, "{bitangent} {want}");
+        }
+    }
+}

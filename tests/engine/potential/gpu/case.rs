@@ -142,7 +142,7 @@ pub fn run(potential: &mut impl Potential, cases: &[&Case]) -> Outcome {
             .await
             .unwrap();
         let states: Vec<State> = cases.iter().map(|c| c.states[0].clone()).collect();
-        potential.pose_skin(&states).await.unwrap();
+        potential.pose_skin(&states, &[]).await.unwrap();
         for i in 0..cases.len() {
             let (mut positions, mut normals) = (Vec::new(), Vec::new());
             potential

@@ -57,7 +57,7 @@ fn the_same_input_gives_the_same_bits() {
     let mut fresh = potential(&gpu, &avatar, 1, GpuOptions::default());
     assert_eq!(once, run(&mut fresh, &[&case]));
     // And here it is of the very pose, and carried over.
-    pollster::block_on(fresh.pose_skin(std::slice::from_ref(&case.current))).unwrap();
+    pollster::block_on(fresh.pose_skin(std::slice::from_ref(&case.current), &[])).unwrap();
     assert_eq!(once, run(&mut fresh, &[&case]));
 }
 

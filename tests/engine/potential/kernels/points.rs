@@ -237,7 +237,7 @@ pub fn skin(scene: &Scene) -> Outcome {
     let rest = scene.rest(phase, "posed_skin_unposed", set);
     let frames = scene.frames(phase, phase.slot());
     let phi = scene.displaced(phase, phase.slot());
-    let got: Vec<shared::SkinVertex> = scene.items(phase, "skin_vertices", INSTANCE, set.len());
+    let got: Vec<shared::SkinVertex> = scene.skin_vertices();
     for i in 0..set.len() {
         let (skinning, basis) = (set.skinning.row(i), set.basis.row(i));
         let want = skin_twin::skin(skinning, basis, scene.joints(), &frames, &phi, rest[i]);
@@ -256,7 +256,7 @@ pub fn skin(scene: &Scene) -> Outcome {
 pub fn normals(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let count = scene.avatar.skin.len();
-    let got: Vec<shared::SkinVertex> = scene.items(Phase::Posed, "skin_vertices", INSTANCE, count);
+    let got: Vec<shared::SkinVertex> = scene.skin_vertices();
     let positions: Vec<DVec3> = got.iter().map(|v| vec(v.position)).collect();
     let around = vertex_triangles(count, &scene.avatar.triangles);
     for i in 0..count {

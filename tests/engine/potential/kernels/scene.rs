@@ -207,7 +207,7 @@ impl Scene {
                 .energy_differences(&[compared], &mut [0.0])
                 .await?;
             scene.look(&mut potential, Phase::Compared).await?;
-            potential.pose_skin(&state).await?;
+            potential.pose_skin(&state, &[]).await?;
             scene.look(&mut potential, Phase::Posed).await
         })?;
         let origin = current[INSTANCE].frames[0].position;
@@ -258,6 +258,12 @@ impl Scene {
             .chunks_exact(size)
             .map(bytemuck::pod_read_unaligned)
             .collect()
+    }
+
+    /// The looked-at instance's posed skin, up to the next one's: each begins at a multiple of 256 bytes.
+    pub fn skin_vertices(&self) -> Vec<shared::SkinVertex> {
+        let stride = self.avatar.skin.len().next_multiple_of(8);
+        self.items(Phase::Posed, "skin_vertices", INSTANCE, stride)
     }
 
     /// The looked-at instance's pose features, `count` of them. In a batch the starts of a step come behind its states, and

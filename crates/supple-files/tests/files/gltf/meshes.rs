@@ -203,16 +203,20 @@ fn seams_are_welded_and_kept() {
         })
         .collect();
     let coordinates: Vec<[f32; 2]> = (0..all.len()).map(|v| [v as f32, 0.5]).collect();
+    let tangent = |v| [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, -1.0]][v % 2];
+    let tangents: Vec<[f32; 4]> = (0..all.len()).map(tangent).collect();
     let positions: Vec<DVec3> = all.iter().map(|v| bar.positions[*v]).collect();
     let joints: Vec<[u8; 4]> = all.iter().map(|v| joints[*v]).collect();
     let weights: Vec<[f32; 4]> = all.iter().map(|v| weights[*v]).collect();
     let attributes = json!({
         "POSITION": file.vectors(&positions),
         "TEXCOORD_0": file.floats("VEC2", &coordinates),
+        "TANGENT": file.floats("VEC4", &tangents),
         "JOINTS_0": file.accessor(BYTE, "VEC4", joints.len(), joints.as_flattened()),
         "WEIGHTS_0": file.floats("VEC4", &weights),
     });
     let indices = file.shorts("SCALAR", triangles.len(), &triangles);
+    file.push("materials", json!({"name": "copper"}));
     let material = file.push("materials", json!({"name": "steel"}));
     *primitive(&mut file) =
         json!({"attributes": attributes, "indices": indices, "material": material});
@@ -223,7 +227,17 @@ fn seams_are_welded_and_kept() {
         panic!()
     };
     assert_eq!((&*part.name, &*part.material), ("bar", "steel"));
+    assert_eq!(part.material_index, Some(1));
     assert_eq!(part.texture_coordinates, coordinates);
+    assert_eq!(part.tangents.len(), tangents.len());
+    // The file's bind matrices are in f32.
+    let pairs = part
+        .tangents
+        .as_flattened()
+        .iter()
+        .zip(tangents.as_flattened());
+    let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(worst < 1e-6, "{worst}");
     assert_eq!(part.triangles.as_flattened().len(), triangles.len());
 
     // With weights of their own the vertices of the cut stay apart where they are drawn only.
