@@ -3,7 +3,7 @@
 //!
 //!     cargo run --release --example window -- character.glb
 //!     cargo run --release --example window -- character.glb --cpu      # steps on the CPU, and uploads the skin
-//!     cargo run --release --example window -- character.glb --picture out/window.png   # needs no window
+//!     cargo run --release --example window -- character.glb --picture out/window.png   # no window; --motion for vectors
 
 mod renderer;
 
