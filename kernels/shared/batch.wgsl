@@ -20,8 +20,8 @@ struct Constants {
     point_groups: u32,    // partial energies of the cubature points, then
     vertex_groups: u32,   // those of the skin
     density: f32,         // ρ, kg/m³
-    _pad0: u32,
-    _pad1: u32,
+    offset_vertices: u32, // skin vertices that may have offsets, an instance
+    _pad: u32,
 }
 
 struct Chunk {
@@ -38,6 +38,7 @@ struct BatchState {
     colliders: u32,
     smoothing: f32,       // ε = ε_v h, m
     stiffness: f32,       // factor on the tissue's
+    has_offsets: u32,     // whether the host gave offsets of the skin
 }
 
 // The increments of a start lead from qⁿ⁻¹ to qⁿ: seen from qⁿ itself they are zero.

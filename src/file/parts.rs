@@ -10,6 +10,7 @@
 //! | `skin` | skin vertices and triangles | refused |
 //! | `matl` | material, its local variation, density, damping | refused |
 //! | `cpos`, `spos` | pose blend shapes of cubature points and skin, without their zeros | none |
+//! | `exte` | how cubature points follow offsets of the skin | no offsets are taken |
 //! | `atta` | what attached vertices follow | nothing is attached |
 //! | `draw` | how the body's file draws the skin | the skin is drawn as it is |
 //! | `layr` | mesh, basis and embedding of the soft layer: for reports, bakes and the full space | none |
@@ -42,6 +43,7 @@ const SKIN: [u8; 4] = *b"skin";
 const MATERIAL: [u8; 4] = *b"matl";
 const CUBATURE_POSE: [u8; 4] = *b"cpos";
 const SKIN_POSE: [u8; 4] = *b"spos";
+const EXTENSION: [u8; 4] = *b"exte";
 const ATTACHED: [u8; 4] = *b"atta";
 const DRAWN: [u8; 4] = *b"draw";
 const LAYER: [u8; 4] = *b"layr";
@@ -111,6 +113,9 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
             )?);
         }
     }
+    if !avatar.pose_extension.is_empty() {
+        sections.push(section(EXTENSION, &avatar.pose_extension)?);
+    }
     if !avatar.attached.is_empty() {
         sections.push(section(ATTACHED, &avatar.attached)?);
     }
@@ -144,6 +149,7 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         cubature: reader.points(cubature, CUBATURE_POSE)?,
         skin: reader.points(skin, SKIN_POSE)?,
         triangles: triangles.into_owned(),
+        pose_extension: reader.optional(EXTENSION)?.unwrap_or_default(),
         attached: reader.optional(ATTACHED)?.unwrap_or_default(),
         render_meshes: (reader.optional(DRAWN)?).unwrap_or_else(Vec::<RenderMesh>::new),
         material: tissue.material,

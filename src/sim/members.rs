@@ -41,7 +41,11 @@ pub(crate) trait Members {
     ) -> impl Future<Output = Result<()>>;
 
     /// Poses the drawn skin of every member.
-    fn pose_skin(&mut self, states: &[State]) -> impl Future<Output = Result<()>>;
+    fn pose_skin(
+        &mut self,
+        states: &[State],
+        offsets: &[&[[f32; 3]]],
+    ) -> impl Future<Output = Result<()>>;
 }
 
 impl<P: Potential> Members for P {
@@ -83,7 +87,11 @@ impl<P: Potential> Members for P {
         Potential::energy_differences(self, trials, out)
     }
 
-    fn pose_skin(&mut self, states: &[State]) -> impl Future<Output = Result<()>> {
-        Potential::pose_skin(self, states)
+    fn pose_skin(
+        &mut self,
+        states: &[State],
+        offsets: &[&[[f32; 3]]],
+    ) -> impl Future<Output = Result<()>> {
+        Potential::pose_skin(self, states, offsets)
     }
 }

@@ -46,6 +46,8 @@ pub(crate) struct Stepper {
     ends: StepEnds,
     /// Memory of the starts of a step.
     starts: Vec<StepStart<'static>>,
+    /// Memory of the offsets with which skins are posed.
+    offsets: Vec<&'static [[f32; 3]]>,
     /// Memory of whose ends are asked for.
     pinned: Vec<bool>,
 }
@@ -68,6 +70,7 @@ impl Stepper {
             ends: StepEnds::new(minimisations.len()),
             newton: Newton::new(minimisations, systems),
             starts: Vec::new(),
+            offsets: Vec::new(),
             pinned: Vec::new(),
         }
     }
@@ -152,6 +155,7 @@ impl Stepper {
     ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut starts: Vec<StepStart<'_>> = recycled(std::mem::take(&mut self.starts));
+        let mut offsets: Vec<&[[f32; 3]]> = recycled(std::mem::take(&mut self.offsets));
         let newton = &mut self.newton;
         let mut mode = None;
         self.pinned.clear();
@@ -159,6 +163,7 @@ impl Stepper {
         starts.extend(pairs.map(|((physics, instance), minimisation)| {
             let settings = &physics.settings;
             mode = Some(settings.solver);
+            offsets.push(instance.pose_offsets.as_slice());
             (self.pinned).push(settings.report_at_end || !instance.pins.is_empty());
             let captured = physics.captured_under_gravity;
             tissue_start(settings, captured, instance, &minimisation.prescribed)
@@ -180,9 +185,10 @@ impl Stepper {
         self.ends.report(members, newton, wanted).await?;
         timings.evaluation += watch.ms();
         let watch = Stopwatch::start();
-        members.pose_skin(&newton.iterates.states).await?;
+        let posed = members.pose_skin(&newton.iterates.states, &offsets).await;
+        self.offsets = recycled(offsets);
         timings.skin = watch.ms();
-        Ok(())
+        posed
     }
 
     /// Makes the iterates the new states of the `instances` of an asset, which are the members of `range`, and completes

@@ -275,26 +275,29 @@ impl Members for Evaluators {
     }
 
     /// Only submits on the GPU: who draws from there needs to wait for nothing.
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
+    async fn pose_skin(&mut self, states: &[State], offsets: &[&[[f32; 3]]]) -> Result<()> {
         #[cfg(feature = "gpu")]
         if let Some(shared) = &mut self.shared {
             let submission = shared.begin();
             for batch in &mut self.list {
-                let states = &states[batch.members.clone()];
+                let range = batch.members.clone();
                 if let Some(potential) = batch.evaluator.on_gpu()
-                    && !states.is_empty()
+                    && !range.is_empty()
                 {
-                    potential.recorder().record_pose_skin(states, submission)?;
+                    let (states, offsets) = (&states[range.clone()], &offsets[range]);
+                    let recorder = potential.recorder();
+                    recorder.record_pose_skin(states, offsets, submission)?;
                 }
             }
             submission.flush();
         }
         for batch in &mut self.list {
-            let states = &states[batch.members.clone()];
+            let range = batch.members.clone();
             if let Some(potential) = batch.evaluator.on_cpu()
-                && !states.is_empty()
+                && !range.is_empty()
             {
-                Potential::pose_skin(potential, states).await?;
+                let (states, offsets) = (&states[range.clone()], &offsets[range]);
+                Potential::pose_skin(potential, states, offsets).await?;
             }
         }
         Ok(())

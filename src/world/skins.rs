@@ -32,9 +32,11 @@ impl World {
     /// Poses the skins of the present states.
     async fn pose(&mut self) -> Result<()> {
         self.number()?;
-        let characters = self.batches.iter().flat_map(|batch| &batch.characters);
-        let states: Vec<_> = characters.map(|c| c.instance.state.clone()).collect();
-        self.evaluators.pose_skin(&states).await?;
+        let characters = || self.batches.iter().flat_map(|batch| &batch.characters);
+        let states: Vec<_> = characters().map(|c| c.instance.state.clone()).collect();
+        let offsets = characters().map(|c| c.instance.pose_offsets.as_slice());
+        let offsets: Vec<_> = offsets.collect();
+        self.evaluators.pose_skin(&states, &offsets).await?;
         self.posed = true;
         Ok(())
     }
@@ -80,7 +82,8 @@ impl World {
     pub fn skin_bounds(&self, instance: InstanceId) -> Result<[DVec3; 2]> {
         let (asset, place) = self.find(instance)?;
         let batch = &self.batches[asset];
-        let state = batch.characters[place].state();
-        Ok(batch.bounds.corners(&batch.avatar.skeleton.parents, state))
+        let instance = batch.characters[place].instance();
+        let parents = &batch.avatar.skeleton.parents;
+        Ok(batch.bounds.corners(parents, instance))
     }
 }

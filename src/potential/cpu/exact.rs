@@ -76,8 +76,8 @@ impl<B: Basis> Potential for Exact<B> {
         self.0.energy_differences(trials, out).await
     }
 
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        self.0.pose_skin(states).await
+    async fn pose_skin(&mut self, states: &[State], offsets: &[&[[f32; 3]]]) -> Result<()> {
+        self.0.pose_skin(states, offsets).await
     }
 
     async fn read_skin(

@@ -207,12 +207,13 @@ impl<B: Basis> Potential for CpuPotential<B> {
         Ok(())
     }
 
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        self.checks.poses(states)?;
+    async fn pose_skin(&mut self, states: &[State], offsets: &[&[[f32; 3]]]) -> Result<()> {
+        self.checks.poses(states, offsets)?;
         let asset = &self.asset;
         in_pool(|| {
             par_each(&mut self.instances, 1, |i, instance| {
-                instance.posed_skin.pose(asset, &states[i]);
+                let offsets = offsets.get(i).copied().unwrap_or_default();
+                instance.posed_skin.pose(asset, &states[i], offsets);
             });
         });
         Ok(())

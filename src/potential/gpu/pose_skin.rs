@@ -9,22 +9,25 @@ use crate::model::State;
 use crate::{Error, Result};
 
 impl Recorder {
-    /// Positions and normals of every instance's skin, into the buffer that is drawn from.
+    /// Positions and normals of every instance's skin with its `offsets`, if there are any, into the buffer that is drawn from.
     ///
     /// # Errors
     /// As [`Potential::pose_skin`](crate::potential::Potential::pose_skin); nothing is recorded then.
     pub fn record_pose_skin(
         &mut self,
         states: &[State],
+        offsets: &[&[[f32; 3]]],
         submission: &mut Submission,
     ) -> Result<()> {
-        self.checks.poses(states)?;
+        self.checks.poses(states, offsets)?;
+        let offsets_of = |i: usize| offsets.get(i).copied().unwrap_or_default();
         let instances = self.starts.len();
         self.clear_uploads();
         for (i, state) in states.iter().enumerate() {
             let batch_state = BatchState {
                 instance: i as u32,
                 slot: (instances + i) as u32,
+                has_offsets: u32::from(!offsets_of(i).is_empty()),
                 ..BatchState::default()
             };
             if !self.push_state(batch_state, state, state, state.frames[0].position) {
@@ -34,6 +37,7 @@ impl Recorder {
             }
             self.push_features(state);
         }
+        self.upload_offsets((0..instances).map(|i| (i, offsets_of(i))), submission);
         let features = self.features.len() / instances;
         for (i, state) in states.iter().enumerate() {
             self.skin_origins[i] = state.frames[0].position;

@@ -237,8 +237,8 @@ impl Potential for GpuPotential {
     }
 
     /// Submits: what is drawn from may be used by the host's next submission.
-    async fn pose_skin(&mut self, states: &[State]) -> Result<()> {
-        (self.recorder).record_pose_skin(states, &mut self.submission)?;
+    async fn pose_skin(&mut self, states: &[State], offsets: &[&[[f32; 3]]]) -> Result<()> {
+        (self.recorder).record_pose_skin(states, offsets, &mut self.submission)?;
         self.submission.flush();
         Ok(())
     }

@@ -97,7 +97,7 @@ impl Potential for Toy {
         }
         Ok(())
     }
-    async fn pose_skin(&mut self, _: &[State]) -> Result<()> {
+    async fn pose_skin(&mut self, _: &[State], _: &[&[[f32; 3]]]) -> Result<()> {
         Ok(())
     }
     async fn read_skin(&mut self, _: usize, _: &mut Vec<DVec3>, _: &mut Vec<DVec3>) -> Result<()> {

@@ -5,6 +5,7 @@ mod coming_and_going;
 mod driving;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod offsets;
 mod snapshots;
 
 use crate::support;
