@@ -91,8 +91,7 @@ impl OffsetLimits {
         }
         let squares = || offsets.iter().map(|u| Vec3::from(*u).length_squared());
         let most = self.longest * self.longest;
-        // A NaN is not below either.
-        if let Some(v) = squares().position(|square| !(square <= most)) {
+        if let Some(v) = squares().position(|square| square.is_nan() || square > most) {
             let (u, longest) = (offsets[v], self.longest);
             let problem = format!(
                 "{u:?} is no offset of a skin {longest:.3} m large: give finite metres, in the axes of the bind pose"

@@ -122,7 +122,11 @@ pub fn bake(
         basis: basis_at_tets(mesh, &basis, &cubature.tets),
         pose_blend: field.pose_blend(&body.pose_blend, mesh, &cubature.tets),
     };
-    let extension = pose_extension(&field, mesh, &cubature.tets);
+    // A study in all tets has a solve for each to pay for, and no host.
+    let extension = match recipe.cubature.all_tets {
+        true => Rows::default(),
+        false => pose_extension(&field, mesh, &cubature.tets),
+    };
     let skin = PointSet {
         position: body.skin.positions.clone(),
         measure: areas.clone(),
