@@ -62,6 +62,7 @@ fn bench(criterion: &mut Criterion) {
             slip_speed: 1e-3,
             geometric_contact: false,
             factors: TissueFactors::default(),
+            pose_offsets: &[],
             prescribed: &[],
         };
         let states: [State; 1] = [state];
@@ -83,14 +84,14 @@ fn bench(criterion: &mut Criterion) {
             });
         });
         group.bench_function("pose_skin", |b| {
-            b.iter(|| pollster::block_on(potential.pose_skin(black_box(&states), &[])));
+            b.iter(|| pollster::block_on(potential.pose_skin(black_box(&states), &[], &[])));
         });
         group.bench_function("whole step", |b| {
             b.iter(|| {
                 pollster::block_on(async {
                     potential.begin_step(black_box(&[start]), &[true]).await?;
                     potential.evaluate(&states, &[true], &mut out).await?;
-                    potential.pose_skin(&states, &[]).await
+                    potential.pose_skin(&states, &[], &[]).await
                 })
             });
         });

@@ -50,13 +50,14 @@ fn main() -> supple::Result<()> {
             slip_speed: 1e-3,
             geometric_contact: false,
             factors: TissueFactors::default(),
+            pose_offsets: &[],
             prescribed: &[],
         };
         pollster::block_on(async {
             potential.begin_step(&[start], &[true]).await?;
             let next = std::slice::from_ref(next);
             potential.evaluate(next, &[true], &mut out).await?;
-            potential.pose_skin(next, &[]).await
+            potential.pose_skin(next, &[], &[]).await
         })?;
         times.push(1e3 * clock.elapsed().as_secs_f64());
         let sign = if k % 100 < 50 { 1.0 } else { -1.0 };

@@ -53,4 +53,4 @@ pub mod linear_solver {
     pub use crate::sim::linear_solver::*;
 }
 
-pub use crate::random_avatar::{random_avatar, random_state};
+pub use crate::random_avatar::{pose_offsets, random_avatar, random_state};

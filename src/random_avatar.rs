@@ -58,6 +58,7 @@ pub fn random_avatar(
         skin,
         triangles,
         attached: (0..ATTACHED).map(followed).collect(),
+        pose_extension: pose_extension(seed, points, tissue),
         render_meshes: Vec::new(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 3e4,
@@ -86,6 +87,13 @@ pub fn random_state(seed: u64, avatar: &Avatar, angle: f64, distance: f64) -> St
             .map(|_| random.vector(distance))
             .collect(),
     }
+}
+
+/// Offsets of the skin of up to `distance` m in each axis.
+pub fn pose_offsets(seed: u64, avatar: &Avatar, distance: f64) -> Vec<[f32; 3]> {
+    let random = &mut Random::new(seed);
+    let offset = |_| random.vector(distance).as_vec3().to_array();
+    (0..avatar.offset_vertices()).map(offset).collect()
 }
 
 /// Second moments of a few random grains, so that S is positive definite.
@@ -214,6 +222,19 @@ fn layer(random: &mut Random, bones: usize, handles: usize, vertices: usize) -> 
             .collect(),
         tissue: local_tissue(random.index(1 << 20) as u64, 6),
     }
+}
+
+/// Three of so many vertices for each point, in no order.
+fn pose_extension(seed: u64, points: usize, vertices: usize) -> Rows<(u32, f32)> {
+    // Numbers of its own: those of all else stay what they are without it.
+    let random = &mut Random::new(seed ^ 0x0ff5e7);
+    let share = |random: &mut Random| {
+        (
+            random.index(vertices) as u32,
+            random.uniform(-0.1, 0.4) as f32,
+        )
+    };
+    (0..points).map(|_| [0; 3].map(|_| share(random))).collect()
 }
 
 /// Stiffness and axes at so many places.

@@ -112,12 +112,14 @@ fn following_a_host_allocates_nothing(avatar: &Avatar, posed: &[Frame]) -> Resul
     Ok(())
 }
 
-/// Two fingers with a box squeezed between them, which shares a linear system with both; one follows a host's matrices.
+/// Two fingers with a box squeezed between them, which shares a linear system with both; one follows a host's matrices and
+/// has offsets that change.
 fn a_warm_step_of_a_world_allocates_nothing(avatar: Arc<Avatar>) -> Result<()> {
     let top = avatar.skin.position.iter().copied();
     let top = top.fold(DVec3::NEG_INFINITY, |a, b| if b.z > a.z { b } else { a });
     let mut world = World::new(Backend::Cpu)?.with_up(UpAxis::Z);
     world.set_gravity(DVec3::ZERO);
+    let mut offsets = vec![[0.0; 3]; avatar.offset_vertices()];
     let key = world.add_avatar(avatar)?;
     let half = 0.01;
     let place = |turn: f64| {
@@ -150,6 +152,8 @@ fn a_warm_step_of_a_world_allocates_nothing(avatar: Arc<Avatar>) -> Result<()> {
         for (step, count) in requests.iter_mut().enumerate() {
             let before = REQUESTS.load(Ordering::Relaxed);
             world.instance_mut(fingers[0])?.follow_world(&matrices)?;
+            offsets[step % 7][2] = 1e-5 * step as f32;
+            (world.instance_mut(fingers[0])?).set_pose_offsets(&offsets)?;
             world.step_blocking(0.01)?;
             *count = REQUESTS.load(Ordering::Relaxed) - before;
             let contacts =

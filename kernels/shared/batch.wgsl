@@ -21,7 +21,7 @@ struct Constants {
     vertex_groups: u32,   // those of the skin
     density: f32,         // ρ, kg/m³
     skin_stride: u32,     // from an instance's posed skin to the next one's, vertices
-    _pad: u32,
+    offset_vertices: u32, // skin vertices that may have offsets, an instance
 }
 
 struct Chunk {
@@ -38,6 +38,7 @@ struct BatchState {
     colliders: u32,
     smoothing: f32,       // ε = ε_v h, m
     stiffness: f32,       // factor on the tissue's
+    has_offsets: u32,     // whether the host gave offsets of the skin
 }
 
 // The increments of a start lead from qⁿ⁻¹ to qⁿ: seen from qⁿ itself they are zero.

@@ -9,11 +9,13 @@ struct Point {
     first_gradient: u32,
     first_block: u32,      // its blocks (c, ω of each bone; φ of each handle) among all points'
     first_pair: u32,       // its pairs of blocks among all points'
+    first_share: u32,      // what it follows of the skin's offsets, among the influences
+    shares: u32,
 }
 
 struct Influence {
-    index: u32,            // bone or handle
-    weight: f32,           // w or U
+    index: u32,            // bone, handle or skin vertex
+    weight: f32,           // w, U or E
 }
 
 struct HandleGradient {

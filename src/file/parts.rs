@@ -10,6 +10,7 @@
 //! | `skin` | skin vertices and triangles | refused |
 //! | `matl` | material, its local variation, density, damping | refused |
 //! | `cpos`, `spos` | pose blend shapes of cubature points and skin, without their zeros | none |
+//! | `exte` | how cubature points follow offsets of the skin | no offsets are taken |
 //! | `atta` | what attached vertices follow | nothing is attached |
 //! | `draw` | how the body's file draws the skin | the skin is drawn as it is |
 //! | `shad` | index of the material and tangents of each part of `draw` | none |
@@ -43,6 +44,7 @@ const SKIN: [u8; 4] = *b"skin";
 const MATERIAL: [u8; 4] = *b"matl";
 const CUBATURE_POSE: [u8; 4] = *b"cpos";
 const SKIN_POSE: [u8; 4] = *b"spos";
+const EXTENSION: [u8; 4] = *b"exte";
 const ATTACHED: [u8; 4] = *b"atta";
 const DRAWN: [u8; 4] = *b"draw";
 const SHADING: [u8; 4] = *b"shad";
@@ -115,6 +117,9 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
             )?);
         }
     }
+    if !avatar.pose_extension.is_empty() {
+        sections.push(section(EXTENSION, &avatar.pose_extension)?);
+    }
     if !avatar.attached.is_empty() {
         sections.push(section(ATTACHED, &avatar.attached)?);
     }
@@ -153,6 +158,7 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         cubature: reader.points(cubature, CUBATURE_POSE)?,
         skin: reader.points(skin, SKIN_POSE)?,
         triangles: triangles.into_owned(),
+        pose_extension: reader.optional(EXTENSION)?.unwrap_or_default(),
         attached: reader.optional(ATTACHED)?.unwrap_or_default(),
         render_meshes: reader.render_meshes()?,
         material: tissue.material,

@@ -60,6 +60,9 @@ pub struct Avatar {
     /// Skin vertices that are not tissue's but attached to it and come after it: skin vertices (index,
     /// share) that each of them follows. They have no area.
     pub attached: Rows<(u32, f64)>,
+    /// E: skin vertices (index, share) whose [`PoseOffsets`](super::PoseOffsets) each cubature point follows; no row at
+    /// all where it was not baked.
+    pub pose_extension: Rows<(u32, f32)>,
     /// How the body's file draws the skin; none where it is drawn as it is.
     pub render_meshes: Vec<RenderMesh>,
     /// What the tissue is made of.
@@ -178,6 +181,9 @@ impl Avatar {
             (layer.skin_embedding).validate("layer.skin_embedding", self.tissue_vertices())?;
         }
         self.attached.validate("attached", self.attached.len())?;
+        if !self.pose_extension.is_empty() {
+            (self.pose_extension).validate("pose_extension", self.cubature.len())?;
+        }
         (self.render_meshes.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
         let check = |ok: bool, field: &str, problem: &str| {
             if ok {
@@ -262,6 +268,12 @@ impl Avatar {
                     .all(|&area| area == 0.0),
             "attached",
             "a vertex follows one that is not there, or has an area",
+        )?;
+        check(
+            (self.pose_extension.entries().iter())
+                .all(|&(v, share)| below(v, self.tissue_vertices()) && share.is_finite()),
+            "pose_extension",
+            "a point follows a vertex that is not there, or by a share that is not finite",
         )?;
         check(
             layer.mesh.tets.iter().flatten().all(|&n| below(n, nodes)),

@@ -231,6 +231,7 @@ impl RigidBody {
             skin,
             triangles: self.surface.triangles.clone(),
             attached: Rows::default(),
+            pose_extension: Rows::default(),
             render_meshes: Vec::new(),
             material: Material::StableNeoHookean(StableNeoHookean {
                 youngs_modulus: 1.0,

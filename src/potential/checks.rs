@@ -1,7 +1,7 @@
 //! What every evaluation demands of its input: one condition has one error, whoever evaluates.
 
 use super::{PreviousSkin, StepStart, Trial};
-use crate::model::{Avatar, Space, State};
+use crate::model::{Avatar, OffsetLimits, Space, State};
 use crate::{Error, Result};
 
 /// What the input of a batch of one asset is held against.
@@ -11,6 +11,7 @@ pub(crate) struct Checks {
     instances: usize,
     /// Frames that may carry colliders.
     body_frames: Vec<u32>,
+    offsets: OffsetLimits,
 }
 
 impl Checks {
@@ -20,6 +21,7 @@ impl Checks {
             space: avatar.space(),
             instances,
             body_frames: avatar.body_frames(),
+            offsets: OffsetLimits::new(avatar),
         }
     }
 
@@ -84,6 +86,7 @@ impl Checks {
                 return Err(Error::invalid("prescribed", problem));
             }
             start.factors.validate()?;
+            self.offsets.check(start.pose_offsets)?;
             start.validate_contact(&self.body_frames)?;
         }
         Ok(())
@@ -127,8 +130,19 @@ impl Checks {
     }
 
     /// The input of `pose_skin`.
-    pub fn poses(&self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
+    pub fn poses(
+        &self,
+        states: &[State],
+        offsets: &[&[[f32; 3]]],
+        previous: &[PreviousSkin],
+    ) -> Result<()> {
         self.count("states", states.len())?;
+        if !offsets.is_empty() {
+            self.count("offsets", offsets.len())?;
+        }
+        for offsets in offsets {
+            self.offsets.check(offsets)?;
+        }
         if !previous.is_empty() {
             self.count("previous", previous.len())?;
         }

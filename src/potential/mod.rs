@@ -48,6 +48,9 @@ pub struct StepStart<'a> {
     pub geometric_contact: bool,
     /// On the tissue as the avatar has it.
     pub factors: TissueFactors,
+    /// u, m: added to x̄ of the skin, and what follows of them to x̄ of the tissue; one for each vertex that
+    /// [`Avatar::offset_vertices`](crate::model::Avatar::offset_vertices) counts, or nothing.
+    pub pose_offsets: &'a [[f32; 3]],
     /// Which frames are where they are told to be, one for each frame; empty where none is. Blocks of the Hessian in
     /// their rows and columns are zero; the gradient has its part by them all the same.
     pub prescribed: &'a [bool],
@@ -242,12 +245,13 @@ pub trait Potential {
         out: &mut [f64],
     ) -> impl Future<Output = Result<()>>;
 
-    /// Poses the drawn skin of every instance, with x̄ of the state's own pose, and its normals.
-    /// They stay where the implementation keeps them (on the GPU: a buffer to draw from). `previous` says what the
-    /// previous skin of each instance is then; where it is empty, all are kept.
+    /// Poses the drawn skin of every instance, with x̄ of the state's own pose and of its `offsets` (of each instance, or
+    /// nothing where none has any), and its normals. They stay where the implementation keeps them (on the GPU: a buffer
+    /// to draw from). `previous` says what the previous skin of each instance is then; where it is empty, all are kept.
     fn pose_skin(
         &mut self,
         states: &[State],
+        offsets: &[&[[f32; 3]]],
         previous: &[PreviousSkin],
     ) -> impl Future<Output = Result<()>>;
 

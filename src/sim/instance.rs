@@ -2,7 +2,7 @@
 
 use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
-use crate::model::{Avatar, Frame, State, is_rotation};
+use crate::model::{Avatar, Frame, PoseOffsets, State, is_rotation};
 use crate::potential::{PreviousSkin, TissueFactors};
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
@@ -42,6 +42,8 @@ pub struct Instance {
     /// also where that loads the bones (a shape that was captured under gravity): such a shape keeps the sag that it has,
     /// whatever the factor.
     pub factors: TissueFactors,
+    /// What a host's own model of the pose adds to the skin's rest shape: in the steps that follow, and where it is drawn.
+    pub pose_offsets: PoseOffsets,
     /// Whether [`Simulation::step`](super::Simulation::step) moves it.
     pub active: bool,
     /// Whether it was put where it is since the last step: no motion led there.
@@ -75,6 +77,7 @@ impl Instance {
             colliders: avatar.body_colliders().collect(),
             gravity: DVec3::new(0.0, 0.0, -9.81),
             factors: TissueFactors::default(),
+            pose_offsets: PoseOffsets::default(),
             active: true,
             was_put: true,
         }

@@ -48,6 +48,7 @@ pub(crate) trait Members {
     fn pose_skin(
         &mut self,
         states: &[State],
+        offsets: &[&[[f32; 3]]],
         previous: &[PreviousSkin],
     ) -> impl Future<Output = Result<()>>;
 }
@@ -96,8 +97,9 @@ impl<P: Potential> Members for P {
     fn pose_skin(
         &mut self,
         states: &[State],
+        offsets: &[&[[f32; 3]]],
         previous: &[PreviousSkin],
     ) -> impl Future<Output = Result<()>> {
-        Potential::pose_skin(self, states, previous)
+        Potential::pose_skin(self, states, offsets, previous)
     }
 }

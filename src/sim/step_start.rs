@@ -18,6 +18,7 @@ pub(super) fn skeleton_start<'a>(settings: &Settings, instance: &'a Instance) ->
         targets: &instance.targets,
         gravity: instance.gravity,
         tissue_gravity: instance.factors.gravity,
+        pose_offsets: instance.pose_offsets.as_slice(),
     }
 }
 
@@ -36,6 +37,7 @@ pub(super) fn tissue_start<'a>(
         slip_speed: settings.slip_speed,
         geometric_contact: settings.geometric_contact,
         factors: instance.factors,
+        pose_offsets: instance.pose_offsets.as_slice(),
         prescribed,
         // A captured shape already sags: the tissue's weight is then among the skeleton's terms.
         tissue_gravity: if captured_under_gravity {

@@ -46,6 +46,8 @@ pub(crate) struct Stepper {
     ends: StepEnds,
     /// Memory of the starts of a step.
     starts: Vec<StepStart<'static>>,
+    /// Memory of the offsets with which skins are posed.
+    offsets: Vec<&'static [[f32; 3]]>,
     /// Memory of whose ends are asked for.
     pinned: Vec<bool>,
     /// Memory of what the previous skins are after the step.
@@ -70,6 +72,7 @@ impl Stepper {
             ends: StepEnds::new(minimisations.iter().map(|m| m.current.frames.len())),
             newton: Newton::new(minimisations, systems),
             starts: Vec::new(),
+            offsets: Vec::new(),
             pinned: Vec::new(),
             previous_skins: Vec::new(),
         }
@@ -160,6 +163,7 @@ impl Stepper {
     ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut starts: Vec<StepStart<'_>> = recycled(std::mem::take(&mut self.starts));
+        let mut offsets: Vec<&[[f32; 3]]> = recycled(std::mem::take(&mut self.offsets));
         let newton = &mut self.newton;
         let mut mode = None;
         self.pinned.clear();
@@ -168,6 +172,7 @@ impl Stepper {
         starts.extend(pairs.map(|((physics, instance), minimisation)| {
             let settings = &physics.settings;
             mode = Some(settings.solver);
+            offsets.push(instance.pose_offsets.as_slice());
             (self.pinned).push(settings.report_at_end || !instance.pins.is_empty());
             (self.previous_skins).push(instance.previous_skin());
             let captured = physics.captured_under_gravity;
@@ -191,8 +196,12 @@ impl Stepper {
         timings.evaluation += watch.ms();
         let watch = Stopwatch::start();
         let states = &newton.iterates.states;
-        members.pose_skin(states, &self.previous_skins).await?;
+        let posed = members
+            .pose_skin(states, &offsets, &self.previous_skins)
+            .await;
+        self.offsets = recycled(offsets);
         timings.skin = watch.ms();
+        posed?;
         self.ends.keep();
         Ok(())
     }

@@ -1,13 +1,14 @@
 //! Gravity as a function of the pose alone.
 
 use super::term::{FrameHessian, FrameTerm, add_block, rotation_curvature};
+use crate::math::Rows;
 use crate::model::{Avatar, Frame, pose_features};
 use glam::DVec3;
 
 /// Mass and first moment of the matter that each bone carries, about its joint.
 ///
 /// Of the tissue: M0_j = Σ m_i w_ij and M1_j = Σ m_i w_ij (x̄_i − J_j) over the cubature points. x̄ is
-/// linear in the pose feature, and so is M1.
+/// linear in the pose feature and in a host's offsets, and so is M1.
 #[derive(Clone, Debug)]
 pub struct TissueMoments {
     parents: Vec<Option<u32>>,
@@ -17,6 +18,8 @@ pub struct TissueMoments {
     first: Vec<DVec3>,
     /// ∂M1_j/∂feature_k at `k * bones + j`, kg m.
     blend: Vec<DVec3>,
+    /// ∂M1_j/∂u_v of each skin vertex v: (j, Σ m_i w_ij E_iv), kg.
+    offsets: Rows<(u32, f64)>,
 }
 
 impl TissueMoments {
@@ -29,6 +32,7 @@ impl TissueMoments {
             mass: vec![0.0; bones],
             first: vec![DVec3::ZERO; bones],
             blend: vec![DVec3::ZERO; features * bones],
+            offsets: offset_moments(avatar),
         };
         for i in 0..points.len() {
             for w in points.skinning.row(i) {
@@ -45,8 +49,14 @@ impl TissueMoments {
         out
     }
 
-    /// Adds M0, and M1 with x̄ of the pose `frames`, times `factor` to the moments of each bone.
-    fn add_to(&self, factor: f64, moments: &mut [(f64, DVec3)], frames: &[Frame]) {
+    /// Adds M0, and M1 with x̄ of the pose `frames` and the skin's `offsets`, times `factor` to the moments of each bone.
+    fn add_to(
+        &self,
+        factor: f64,
+        moments: &mut [(f64, DVec3)],
+        frames: &[Frame],
+        offsets: &[[f32; 3]],
+    ) {
         for ((mass, first), (m0, m1)) in moments.iter_mut().zip(self.mass.iter().zip(&self.first)) {
             *mass += factor * m0;
             *first += factor * *m1;
@@ -57,7 +67,32 @@ impl TissueMoments {
                 *first += factor * value * *share;
             }
         }
+        for (offset, shares) in offsets.iter().zip(self.offsets.iter()) {
+            let offset = factor * DVec3::from(offset.map(f64::from));
+            for &(j, share) in shares {
+                moments[j as usize].1 += share * offset;
+            }
+        }
     }
+}
+
+/// Of each skin vertex, the bones whose tissue follows its offset, and by what mass.
+fn offset_moments(avatar: &Avatar) -> Rows<(u32, f64)> {
+    let points = &avatar.cubature;
+    let mut rows = vec![Vec::<(u32, f64)>::new(); avatar.tissue_vertices()];
+    for (i, followed) in avatar.pose_extension.iter().enumerate() {
+        for w in points.skinning.row(i) {
+            let mass = avatar.density * points.measure[i] * w.weight;
+            for &(v, share) in followed {
+                let (row, mass) = (&mut rows[v as usize], mass * f64::from(share));
+                match row.iter_mut().find(|(bone, _)| *bone == w.bone) {
+                    Some((_, sum)) => *sum += mass,
+                    None => row.push((w.bone, mass)),
+                }
+            }
+        }
+    }
+    rows.into_iter().collect()
 }
 
 /// E = −Σ_j g · (R_j M1_j + M0_j c_j), over bones and, where the rest shape already sags under
@@ -70,15 +105,17 @@ pub struct FrameGravity {
 }
 
 impl FrameGravity {
-    /// The bones' own moments `(mass, first)`, and the tissue's with x̄ of the pose `current`, times a factor.
+    /// The bones' own moments `(mass, first)`, and the tissue's with x̄ of the pose `current` and of `offsets`, times a
+    /// factor.
     pub fn new(
         gravity: DVec3,
         bones: &[(f64, DVec3)],
         tissue: Option<(&TissueMoments, f64)>,
         current: &[Frame],
+        offsets: &[[f32; 3]],
     ) -> Self {
         let mut out = Self::default();
-        out.restart(gravity, bones, tissue, current);
+        out.restart(gravity, bones, tissue, current, offsets);
         out
     }
 
@@ -89,12 +126,13 @@ impl FrameGravity {
         bones: &[(f64, DVec3)],
         tissue: Option<(&TissueMoments, f64)>,
         current: &[Frame],
+        offsets: &[[f32; 3]],
     ) {
         self.gravity = gravity;
         self.moments.clear();
         self.moments.extend(bones);
         if let Some((tissue, factor)) = tissue {
-            tissue.add_to(factor, &mut self.moments, current);
+            tissue.add_to(factor, &mut self.moments, current, offsets);
         }
     }
 }

@@ -75,6 +75,8 @@ pub struct SkeletonStart<'a> {
     pub gravity: DVec3,
     /// Factor on it where it acts on tissue.
     pub tissue_gravity: f64,
+    /// u of the skin, m: the tissue's weight follows; none where a host gives none.
+    pub pose_offsets: &'a [[f32; 3]],
 }
 
 /// The skeleton's energies, J; as differences from qⁿ.
@@ -160,7 +162,8 @@ impl SkeletonPotential {
         let target = |&target| TrackingSpring::new(target, start.current, start.time_step);
         self.tracking.extend(start.targets.iter().map(target));
         let tissue = model.tissue.as_ref().map(|t| (t, start.tissue_gravity));
-        (self.gravity).restart(start.gravity, &model.moments, tissue, start.current);
+        let (current, offsets) = (start.current, start.pose_offsets);
+        (self.gravity).restart(start.gravity, &model.moments, tissue, current, offsets);
     }
 
     /// E(frames) − E(base), term by term.

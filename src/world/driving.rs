@@ -83,6 +83,20 @@ impl Character {
         Ok(())
     }
 
+    /// Adds `offsets` to the skin's rest shape from the next step on: what a model of the host's own (a network, corrective
+    /// shapes, morph targets) says of the pose, in addition to the avatar's own pose blend shapes. They are m in the axes of
+    /// the bind pose, one for each vertex of `avatar().skin`; the tissue below follows. An empty list takes them away.
+    ///
+    /// Where nothing touches or moves it, the drawn skin is the skinned X + B_P + offset. New offsets change the shape and
+    /// are no motion: they have no inertia, and no friction.
+    ///
+    /// # Errors
+    /// A wrong count; an offset that is not finite, or longer than the skin is large; an avatar that was baked without
+    /// [`Avatar::pose_extension`](crate::model::Avatar::pose_extension). The offsets stay what they were.
+    pub fn set_pose_offsets(&mut self, offsets: &[[f32; 3]]) -> Result<()> {
+        self.instance.pose_offsets.set(&self.avatar, offsets)
+    }
+
     /// What moves the bones from now on; before the first step it says where they start as well.
     fn drive_by(&mut self, driving: Driving) {
         self.driving = driving;

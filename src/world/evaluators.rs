@@ -221,29 +221,34 @@ impl Members for Evaluators {
     }
 
     /// Only submits on the GPU: who draws from there needs to wait for nothing.
-    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
+    async fn pose_skin(
+        &mut self,
+        states: &[State],
+        offsets: &[&[[f32; 3]]],
+        previous: &[PreviousSkin],
+    ) -> Result<()> {
         #[cfg(feature = "gpu")]
         if let Some(shared) = &mut self.shared {
             let submission = shared.begin();
             for asset in &mut self.list {
                 let range = asset.members.clone();
-                let (states, previous) = (&states[range.clone()], &previous[range]);
                 if let Some(potential) = asset.evaluator.on_gpu()
-                    && !states.is_empty()
+                    && !range.is_empty()
                 {
+                    let (states, offsets) = (&states[range.clone()], &offsets[range.clone()]);
                     let recorder = potential.recorder();
-                    recorder.record_pose_skin(states, previous, submission)?;
+                    recorder.record_pose_skin(states, offsets, &previous[range], submission)?;
                 }
             }
             submission.flush();
         }
         for asset in &mut self.list {
             let range = asset.members.clone();
-            let (states, previous) = (&states[range.clone()], &previous[range]);
             if let Some(potential) = asset.evaluator.on_cpu()
-                && !states.is_empty()
+                && !range.is_empty()
             {
-                Potential::pose_skin(potential, states, previous).await?;
+                let (states, offsets) = (&states[range.clone()], &offsets[range.clone()]);
+                Potential::pose_skin(potential, states, offsets, &previous[range]).await?;
             }
         }
         Ok(())

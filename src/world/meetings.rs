@@ -96,7 +96,7 @@ impl World {
                     let moved = collider.frame.position.distance(collider.previous.position);
                     let margin = margin + 2.0 * moved;
                     let near = ball(collider, &collider.frame)
-                        .is_none_or(|ball| bounds.meets(parents, &instance.state, ball, margin));
+                        .is_none_or(|ball| bounds.meets(parents, instance, ball, margin));
                     if near {
                         instance.colliders.push(collider.clone());
                     }
@@ -122,7 +122,7 @@ impl World {
                     let frame = &of_body.characters[0].instance.state.frames[0];
                     let margin = margin + travel(of_body, 0);
                     let ball = ball(&found.collider, frame);
-                    let near = |ball| batch.bounds.meets(parents, &instance.state, ball, margin);
+                    let near = |ball| batch.bounds.meets(parents, instance, ball, margin);
                     if ball.is_none_or(near) {
                         meetings.push(Meeting {
                             asset,

@@ -1,16 +1,17 @@
 //! What is near an avatar: a cheap, sure answer from its bones alone.
 
 use crate::collider::{Collider, Shape};
-use crate::model::{Avatar, Frame, State, pose_features};
+use crate::model::{Avatar, Frame, pose_features};
+use crate::sim::Instance;
 use glam::DVec3;
 
 /// Spheres around the bones that hold the skin in every pose.
 ///
 /// A posed vertex is a convex combination of its bones' rigid images of x̄ + Σ U φ, so it lies within the hull of balls
-/// about their joints, of radius max |X − J| and what blend shapes and handles add:
+/// about their joints, of radius max |X − J| and what blend shapes, a host's offsets u and handles add:
 ///
 /// ```text
-/// |B_P| ≤ Σ_j |f_j| max_i (Σ_k |column_k,i|²)^½      |Σ U φ| ≤ max_i Σ |U| · max |φ|
+/// |B_P| ≤ Σ_j |f_j| max_i (Σ_k |column_k,i|²)^½      max |u|      |Σ U φ| ≤ max_i Σ |U| · max |φ|
 /// ```
 #[derive(Clone, Debug)]
 pub(super) struct SkinBounds {
@@ -50,7 +51,8 @@ impl SkinBounds {
     }
 
     /// By how much the skin may leave the bones' own spheres, m.
-    fn slack(&self, parents: &[Option<u32>], state: &State) -> f64 {
+    fn slack(&self, parents: &[Option<u32>], instance: &Instance) -> f64 {
+        let state = &instance.state;
         let longest = state.handles.iter().map(|h| h.length_squared());
         let displaced = self.reach * longest.fold(0.0, f64::max).sqrt();
         let (mut blended, mut square) = (0.0, 0.0);
@@ -63,17 +65,17 @@ impl SkinBounds {
                 }
             }
         }
-        displaced + blended
+        displaced + blended + instance.pose_offsets.longest()
     }
 
-    /// The spheres in a state: centre and radius, m.
+    /// The spheres of an instance as it is: centre and radius, m.
     fn spheres<'a>(
         &'a self,
         parents: &[Option<u32>],
-        state: &'a State,
+        instance: &'a Instance,
     ) -> impl Iterator<Item = (DVec3, f64)> + use<'a> {
-        let slack = self.slack(parents, state);
-        let moved = self.radius.iter().zip(&state.frames);
+        let slack = self.slack(parents, instance);
+        let moved = self.radius.iter().zip(&instance.state.frames);
         let skinned = moved.filter(|(radius, _)| **radius > 0.0);
         skinned.map(move |(radius, frame)| (frame.position, radius + slack))
     }
@@ -82,18 +84,18 @@ impl SkinBounds {
     pub fn meets(
         &self,
         parents: &[Option<u32>],
-        state: &State,
+        instance: &Instance,
         (centre, radius): (DVec3, f64),
         margin: f64,
     ) -> bool {
         let touches = |(c, r): (DVec3, f64)| c.distance(centre) <= r + radius + margin;
-        self.spheres(parents, state).any(touches)
+        self.spheres(parents, instance).any(touches)
     }
 
     /// Lowest and highest corner of a box that holds the skin, m; low above high where there is none.
-    pub fn corners(&self, parents: &[Option<u32>], state: &State) -> [DVec3; 2] {
+    pub fn corners(&self, parents: &[Option<u32>], instance: &Instance) -> [DVec3; 2] {
         let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        (self.spheres(parents, state)).fold(none, |[low, high], (c, r)| {
+        (self.spheres(parents, instance)).fold(none, |[low, high], (c, r)| {
             [low.min(c - DVec3::splat(r)), high.max(c + DVec3::splat(r))]
         })
     }

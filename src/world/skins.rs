@@ -56,13 +56,16 @@ impl World {
         let characters = self.batches.iter().flat_map(|batch| &batch.characters);
         let instances = characters.map(|c| &c.instance);
         let states: Vec<_> = instances.clone().map(|i| i.state.clone()).collect();
+        let offsets = instances.clone().map(|i| i.pose_offsets.as_slice());
+        let offsets: Vec<_> = offsets.collect();
         // No step has been made since the last: what has moved by itself has not.
         let previous = instances.map(|instance| match instance.was_put {
             true => PreviousSkin::New,
             false => PreviousSkin::Kept,
         });
         let previous: Vec<_> = previous.collect();
-        self.evaluators.pose_skin(&states, &previous).await?;
+        let posed = self.evaluators.pose_skin(&states, &offsets, &previous);
+        posed.await?;
         self.posed = true;
         Ok(())
     }
@@ -121,7 +124,8 @@ impl World {
     pub fn skin_bounds(&self, instance: InstanceId) -> Result<[DVec3; 2]> {
         let (asset, place) = self.find(instance)?;
         let batch = &self.batches[asset];
-        let state = batch.characters[place].state();
-        Ok(batch.bounds.corners(&batch.avatar.skeleton.parents, state))
+        let instance = batch.characters[place].instance();
+        let parents = &batch.avatar.skeleton.parents;
+        Ok(batch.bounds.corners(parents, instance))
     }
 }

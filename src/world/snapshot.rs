@@ -28,6 +28,7 @@ const WORLD: [u8; 4] = *b"WRLD";
 const ASSETS: [u8; 4] = *b"ASST";
 const INSTANCES: [u8; 4] = *b"INST";
 const DRIVERS: [u8; 4] = *b"DRIV";
+const OFFSETS: [u8; 4] = *b"OFFS";
 const BODIES: [u8; 4] = *b"BODY";
 const COLLIDERS: [u8; 4] = *b"COLL";
 /// Of each section's content.
@@ -184,6 +185,7 @@ impl World {
         let of_bodies = || self.bodies.values().map(|body| character(&(body.asset, 0)));
         let states: Vec<_> = characters().map(Character::stored_state).collect();
         let drivers: Vec<_> = characters().map(Character::stored_driver).collect();
+        let offsets: Vec<_> = (characters().map(|c| c.instance.pose_offsets.as_slice())).collect();
         let body_states: Vec<_> = of_bodies().map(Character::stored_state).collect();
         let world = StoredWorld {
             settings: self.settings.into(),
@@ -196,6 +198,7 @@ impl World {
                 section(ASSETS, &assets)?,
                 section(INSTANCES, &(&self.instances, states))?,
                 section(DRIVERS, &drivers)?,
+                section(OFFSETS, &offsets)?,
                 section(BODIES, &(&self.bodies, body_states))?,
                 section(COLLIDERS, &self.colliders)?,
             ],
@@ -217,6 +220,7 @@ impl World {
         let (instances, states): (SlotMap<InstanceId, (usize, usize)>, Vec<StoredState>) =
             read(snapshot, INSTANCES)?;
         let drivers: Vec<StoredDriver> = read(snapshot, DRIVERS)?;
+        let offsets: Vec<Vec<[f32; 3]>> = read(snapshot, OFFSETS)?;
         let (mut bodies, body_states): (SlotMap<BodyId, Body>, Vec<StoredState>) =
             read(snapshot, BODIES)?;
         let colliders: SlotMap<ColliderId, Collider> = read(snapshot, COLLIDERS)?;
@@ -225,6 +229,7 @@ impl World {
         }
         let counted = instances.len() == states.len()
             && states.len() == drivers.len()
+            && states.len() == offsets.len()
             && bodies.len() == body_states.len();
         if !counted || !world.gravity.is_finite() {
             return Err(damaged());
@@ -233,12 +238,14 @@ impl World {
             self.make_room(asset, stored.room)?;
         }
         let mut characters = Vec::new();
-        for ((&place, state), driver) in instances.values().zip(states).zip(drivers) {
+        let stored = states.into_iter().zip(drivers).zip(offsets);
+        for (&place, ((state, driver), offsets)) in instances.values().zip(stored) {
             let batch = self.batches.get(place.0).filter(|_| place.0 < avatars);
             let batch = batch.filter(|b| place.1 < b.characters.len());
             let batch = batch.ok_or_else(damaged)?;
             let mut character = batch.character(world.gravity, &Frame::IDENTITY);
-            let restored = character.restore(state, driver);
+            let restored = (character.restore(state, driver))
+                .and_then(|()| character.set_pose_offsets(&offsets));
             restored.map_err(|e| e.within("snapshot"))?;
             characters.push((place, character));
         }

@@ -1,10 +1,11 @@
 //! Terms of the skeleton against their own definitions.
 
 use supple::glam::DVec3;
+use supple::internal::cpu::pose_blend::pose_offset;
 use supple::internal::features::pose_feature;
 use supple::internal::math::Random;
-use supple::internal::random_avatar;
 use supple::internal::skeleton::{BoneInertia, FrameGravity, FrameTerm, TissueMoments};
+use supple::internal::{pose_offsets, random_avatar};
 use supple::model::{Avatar, Frame};
 
 const BONES: usize = 3;
@@ -54,7 +55,8 @@ fn bone_inertia_is_that_of_its_matter() {
     assert!(error < 1e-12 * (energy(&a) + energy(&b)), "{error:e}");
 }
 
-/// Gravity against its own definition: the weight of every point at φ = 0, with its blend shapes.
+/// Gravity against its own definition: the weight of every point at φ = 0, with its blend shapes and what it follows of
+/// a host's offsets.
 #[test]
 fn gravity_is_the_weight_of_tissue_and_bones() {
     let (avatar, random) = (avatar(), &mut Random::new(8));
@@ -62,7 +64,8 @@ fn gravity_is_the_weight_of_tissue_and_bones() {
     let g = DVec3::new(1.0, 2.0, -9.0);
     let moments: Vec<_> = avatar.bone_masses.iter().map(|b| b.moments()).collect();
     let tissue = TissueMoments::new(&avatar);
-    let term = FrameGravity::new(g, &moments, Some((&tissue, 1.0)), &current);
+    let offsets = pose_offsets(9, &avatar, 0.02);
+    let term = FrameGravity::new(g, &moments, Some((&tissue, 1.0)), &current, &offsets);
 
     let (points, joints) = (&avatar.cubature, &avatar.skeleton.joints);
     let feature = pose_feature(&avatar.skeleton.parents, &current);
@@ -72,7 +75,7 @@ fn gravity_is_the_weight_of_tissue_and_bones() {
             let shapes = (0..feature.len())
                 .map(|k| feature[k] * DVec3::from(column(k).map(f64::from)))
                 .sum::<DVec3>();
-            points.position[i] + shapes
+            points.position[i] + shapes + pose_offset(avatar.pose_extension.row(i), &offsets)
         };
         let weight = |i: usize| -> f64 {
             let posed = points.skinning.row(i).iter().map(|w| {

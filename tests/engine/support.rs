@@ -117,6 +117,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         skin,
         triangles,
         attached: Rows::default(),
+        pose_extension: Rows::default(),
         render_meshes: Vec::new(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 30e3,

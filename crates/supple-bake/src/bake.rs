@@ -3,6 +3,7 @@
 use super::attached::{followed, with_attachments};
 use super::interior::InteriorField;
 use super::local_tissue::local_tissue;
+use super::pose_extension::pose_extension;
 use super::report::{
     AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport, peak_memory,
 };
@@ -121,6 +122,11 @@ pub fn bake(
         basis: basis_at_tets(mesh, &basis, &cubature.tets),
         pose_blend: field.pose_blend(&body.pose_blend, mesh, &cubature.tets),
     };
+    // A study in all tets has a solve for each to pay for, and no host.
+    let extension = match recipe.cubature.all_tets {
+        true => Rows::default(),
+        false => pose_extension(&field, mesh, &cubature.tets),
+    };
     let skin = PointSet {
         position: body.skin.positions.clone(),
         measure: areas.clone(),
@@ -150,6 +156,7 @@ pub fn bake(
         skin,
         triangles,
         attached,
+        pose_extension: extension,
         render_meshes: body.render_meshes.clone(),
         material,
         tissue: (cubature.tets.iter())

@@ -119,6 +119,48 @@ impl<'a> InteriorField<'a> {
         })
     }
 
+    /// The transpose of [`InteriorField::extend`] with 0 on bones: of `count` sums of nodes' values, each of the (node,
+    /// share) that `sum` lists, what every skin vertex adds to it goes to `take`.
+    pub fn skin_shares<T: Send>(
+        &self,
+        count: usize,
+        sum: impl Fn(usize) -> [(u32, f64); 4] + Sync + Send,
+        take: impl Fn(&[f64]) -> T + Sync + Send,
+    ) -> Vec<T> {
+        let role = |node: u32| self.held.role[node as usize];
+        let load = |i: usize, b: &mut [f64]| {
+            for (node, share) in sum(i) {
+                if let Role::Free(column) = role(node) {
+                    b[column as usize] += share;
+                }
+            }
+        };
+        self.factor.solve_each(count, load, |i, y| {
+            let mut of_nodes = vec![0.0; self.held.role.len()];
+            for (node, share) in sum(i) {
+                of_nodes[node as usize] += share;
+            }
+            for &(column, node, value) in &self.coupling {
+                of_nodes[node as usize] -= value * y[column as usize];
+            }
+            let mut shares = vec![0.0; self.embedding.len()];
+            for (node, vertices) in &self.held.vertices_of_node {
+                if role(*node) == Role::Skin {
+                    let share = of_nodes[*node as usize] / vertices.len() as f64;
+                    vertices.iter().for_each(|&v| shares[v as usize] += share);
+                }
+            }
+            for &(vertex, stiffness) in &self.held.soft {
+                for &(node, share) in self.embedding.row(vertex as usize) {
+                    if let Role::Free(column) = role(node) {
+                        shares[vertex as usize] += stiffness * share * y[column as usize];
+                    }
+                }
+            }
+            take(&shares)
+        })
+    }
+
     /// Bones of each node: one field a bone, its skin weight on the skin, 1 on its own surface and 0
     /// on the others'; clamped to 0 and above, the `most` largest kept and scaled to sum to 1.
     ///
@@ -227,6 +269,35 @@ mod tests {
         let reached = field.extend(1, on_skin, |_, _| 0.0, |_, u| u.to_vec());
         for (u, x) in reached[0].iter().zip(&mesh.nodes) {
             assert!((u - value(*x)).abs() < 1e-12, "{u} at {x}");
+        }
+    }
+
+    #[test]
+    fn shares_of_the_skin_are_the_transpose_of_the_extension() {
+        let (mesh, bones, top) = sample();
+        let areas = vec![1e-4; top.len()];
+        let nodes: Rows<(u32, f64)> = top.iter().map(|&n| [(n, 1.0)]).collect();
+        // Two vertices at each node, and vertices inside of tets.
+        let twice: Rows<(u32, f64)> = (top.iter().chain(&top)).map(|&n| [(n, 1.0)]).collect();
+        let inside: Rows<(u32, f64)> = top.iter().map(|&n| [(n, 0.7), (n - 42, 0.3)]).collect();
+        let value = |v: u32| (f64::from(v) * 0.7).sin();
+        for embedding in [&nodes, &twice, &inside] {
+            let areas = areas.iter().cycle().take(embedding.len()).copied();
+            let areas: Vec<f64> = areas.collect();
+            let field = InteriorField::new(&mesh, &bones, embedding, &areas).unwrap();
+            let centroid = |t: usize| mesh.tets[t].map(|n| (n, 0.25));
+            let on_skin = |_: usize, v: u32| value(v);
+            let extended = field.extend(1, on_skin, |_, _| 0.0, |_, u| u.to_vec());
+            let followed = |shares: &[f64]| -> f64 {
+                let terms = shares.iter().zip(0..).map(|(share, v)| share * value(v));
+                terms.sum()
+            };
+            let found = field.skin_shares(mesh.tets.len(), centroid, followed);
+            for (t, found) in found.into_iter().enumerate() {
+                let nodes = mesh.tets[t].iter();
+                let wanted = nodes.map(|&n| extended[0][n as usize]).sum::<f64>() / 4.0;
+                assert!((found - wanted).abs() < 1e-13, "{found} {wanted}");
+            }
         }
     }
 

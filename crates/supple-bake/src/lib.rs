@@ -19,6 +19,7 @@ mod interior;
 mod local_tissue;
 pub mod math;
 pub mod mesh;
+mod pose_extension;
 mod recipe;
 mod report;
 pub mod subspace;

@@ -68,7 +68,7 @@ pub fn map_of(chosen: &[bool]) -> Vec<f64> {
 }
 
 /// The paper's body: 82 handles over the soft parts, 500 cubature points in one layer of prisms.
-fn body_recipe() -> Recipe {
+pub(crate) fn body_recipe() -> Recipe {
     Recipe {
         mesher: Mesher::PrismShell(ShellOptions {
             layers: Some(1),
@@ -89,7 +89,7 @@ fn body_recipe() -> Recipe {
 }
 
 /// The paper's hand: 87 handles over palm and finger pads, 700 cubature points.
-fn hand_recipe() -> Recipe {
+pub(crate) fn hand_recipe() -> Recipe {
     let mut recipe = handles(87);
     recipe.handles[0].painted = Some(PALM.into());
     recipe.cubature = CubatureRecipe {

@@ -54,7 +54,7 @@ fn the_demo_meets_its_bars() {
 /// The drawn skin of a state.
 fn skin(reference: &mut CpuPotential, state: &State) -> Vec<DVec3> {
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
-    pollster::block_on(reference.pose_skin(std::slice::from_ref(state), &[])).unwrap();
+    pollster::block_on(reference.pose_skin(std::slice::from_ref(state), &[], &[])).unwrap();
     pollster::block_on(reference.read_skin(0, &mut positions, &mut normals)).unwrap();
     positions
 }

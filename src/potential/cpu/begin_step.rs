@@ -7,6 +7,7 @@ use super::displacement::{FrameMotion, displacement, unposed_displacement};
 use super::elasticity::Damping;
 use super::friction::{Lagged, Slip, carried};
 use super::point_start::PointStarts;
+use super::pose_blend::add_offsets;
 use super::{Basis, Motion, energy};
 use crate::collider::Collider;
 use crate::material::MaterialPoint;
@@ -120,11 +121,12 @@ impl Step {
         pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);
         motion.set(start.previous, start.current, self.origin);
         let (feature, motion) = (&*feature, &*motion);
+        let pose = (&feature[..], start.pose_offsets);
         let mut starts = std::mem::take(&mut self.starts);
         let tissue = |i: usize| asset.tissue_at(i, factors.stiffness);
         par_join(
-            || starts.begin(asset, feature, &start.previous.handles, motion, tissue),
-            || self.begin_skin(asset, feature, motion, touching, posed_skin),
+            || starts.begin(asset, pose, &start.previous.handles, motion, tissue),
+            || self.begin_skin(asset, pose, motion, touching, posed_skin),
         );
         self.starts = starts;
     }
@@ -133,12 +135,12 @@ impl Step {
     fn begin_skin<B: Basis>(
         &mut self,
         asset: &Asset<B>,
-        feature: &[f64],
+        (feature, offsets): (&[f64], &[[f32; 3]]),
         motion: &Motion,
         touching: &mut Touching,
         posed_skin: &PosedSkin,
     ) {
-        match posed_skin.rest_of(feature) {
+        match posed_skin.blended(feature) {
             Some(rest) => self.skin_rest.copy_from_slice(rest),
             None => {
                 let (columns, position) = (&asset.skin_columns, &asset.avatar.skin.position);
@@ -149,6 +151,7 @@ impl Step {
                 });
             }
         }
+        add_offsets(&mut self.skin_rest, offsets);
         self.lag_contacts(asset, motion, touching);
         self.contact(asset, motion, touching);
         self.contact_energy = self.sum_contact_energy(asset, &touching.candidates);

@@ -77,8 +77,13 @@ impl<B: Basis> Potential for Exact<B> {
         self.0.energy_differences(trials, out).await
     }
 
-    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
-        self.0.pose_skin(states, previous).await
+    async fn pose_skin(
+        &mut self,
+        states: &[State],
+        offsets: &[&[[f32; 3]]],
+        previous: &[PreviousSkin],
+    ) -> Result<()> {
+        self.0.pose_skin(states, offsets, previous).await
     }
 
     async fn read_skin(

@@ -235,13 +235,20 @@ impl<B: Basis> Potential for CpuPotential<B> {
         Ok(())
     }
 
-    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
-        self.checks.poses(states, previous)?;
+    async fn pose_skin(
+        &mut self,
+        states: &[State],
+        offsets: &[&[[f32; 3]]],
+        previous: &[PreviousSkin],
+    ) -> Result<()> {
+        self.checks.poses(states, offsets, previous)?;
         let asset = &self.asset;
         in_pool(|| {
             par_each(&mut self.instances, 1, |i, instance| {
+                let offsets = offsets.get(i).copied().unwrap_or_default();
                 let previous = previous.get(i).copied().unwrap_or(PreviousSkin::Kept);
-                instance.posed_skin.pose(asset, &states[i], previous);
+                let skin = &mut instance.posed_skin;
+                skin.pose(asset, &states[i], offsets, previous);
             });
         });
         Ok(())

@@ -3,6 +3,7 @@
 use super::asset::Asset;
 use super::displacement::{displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
+use super::pose_blend::pose_offset;
 use super::{Basis, Motion};
 use crate::material::MaterialPoint;
 use crate::math::{Mat9, Strided, par_split};
@@ -42,17 +43,18 @@ impl PointStarts {
         }
     }
 
-    /// The starts of a step with the pose `feature` of qⁿ, the displacements `previous` of qⁿ⁻¹, and `motion` from qⁿ⁻¹
-    /// to qⁿ, each point being of its `tissue`.
+    /// The starts of a step with the pose `feature` of qⁿ, the `offsets` of the skin, the displacements `previous` of
+    /// qⁿ⁻¹, and `motion` from qⁿ⁻¹ to qⁿ, each point being of its `tissue`.
     pub fn begin<'t, B: Basis>(
         &mut self,
         asset: &Asset<B>,
-        feature: &[f64],
+        (feature, offsets): (&[f64], &[[f32; 3]]),
         previous: &[DVec3],
         motion: &Motion,
         tissue: impl Fn(usize) -> MaterialPoint<'t> + Sync,
     ) {
         let (columns, position) = (&asset.cubature_columns, &asset.avatar.cubature.position);
+        let extension = &asset.avatar.pose_extension;
         let parts = (
             Strided::new(POINT_GRAIN, &mut self.rest),
             Strided::new(POINT_GRAIN, &mut self.points),
@@ -62,6 +64,11 @@ impl PointStarts {
         par_split(chunks, 1, parts, |chunk, (rest, points, tangents)| {
             let first = chunk * POINT_GRAIN;
             columns.blend(position, feature, first, rest);
+            if !offsets.is_empty() {
+                for (i, rest) in (first..).zip(&mut *rest) {
+                    *rest += pose_offset(extension.row(i), offsets);
+                }
+            }
             for ((i, point), rest) in (first..).zip(&mut *points).zip(&*rest) {
                 *point = point_start(asset, previous, motion, i, *rest);
             }

@@ -6,7 +6,7 @@ use crate::potential::cpu::pose_blend::pose_blend;
 use crate::potential::cpu::skin::skin;
 use glam::DVec3;
 
-/// Where the skin of `avatar` is drawn in `state`, m: x = Σ w (R (x̄ + U φ − J) + c).
+/// Where the skin of `avatar` is drawn in `state`, m: x = Σ w (R (x̄ + U φ − J) + c), without a host's offsets.
 pub fn posed_skin(avatar: &Avatar, state: &State) -> Surface {
     let (skeleton, points) = (&avatar.skeleton, &avatar.skin);
     let feature = pose_feature(&skeleton.parents, &state.frames);
@@ -58,7 +58,7 @@ mod tests {
         let (mut drawn, mut normals) = (Vec::new(), Vec::new());
         pollster::block_on(async {
             reference
-                .pose_skin(std::slice::from_ref(&state), &[])
+                .pose_skin(std::slice::from_ref(&state), &[], &[])
                 .await?;
             reference.read_skin(0, &mut drawn, &mut normals).await
         })

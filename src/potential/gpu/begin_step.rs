@@ -1,7 +1,7 @@
 //! The start of a step on the GPU.
 
 use super::pack;
-use super::recorder::{Recorder, Start};
+use super::recorder::{Recorder, SkinRest, Start};
 use super::shared::BatchState;
 use super::stage::Stage;
 use crate::gpu::Submission;
@@ -45,6 +45,8 @@ impl Recorder {
         if self.batch.is_empty() {
             return Ok(());
         }
+        let offsets = started().map(|(i, start)| (i, start.pose_offsets));
+        self.upload_offsets(offsets, submission);
         self.claim_starts(submission);
         self.upload_batch(self.buffers.sizes.states);
         self.upload_starts();
@@ -61,9 +63,10 @@ impl Recorder {
                 current: start.current.clone(),
                 batch_state: self.batch_state(i, start),
                 prescribed: start.prescribed.to_vec(),
-                geometric: start
-                    .geometric_contact
-                    .then(|| pose_feature(&self.avatar.skeleton.parents, &start.current.frames)),
+                geometric: start.geometric_contact.then(|| SkinRest {
+                    feature: pose_feature(&self.avatar.skeleton.parents, &start.current.frames),
+                    offsets: start.pose_offsets.to_vec(),
+                }),
             });
         }
         self.dispatch_starts(submission);
@@ -112,6 +115,7 @@ impl Recorder {
             colliders: start.colliders.len() as u32,
             smoothing: (start.slip_speed * h) as f32,
             stiffness: factors.stiffness as f32,
+            has_offsets: u32::from(!start.pose_offsets.is_empty()),
             ..BatchState::default()
         }
     }

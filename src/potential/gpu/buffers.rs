@@ -45,6 +45,8 @@ buffers! {
         // Written by the host.
         batch: BatchState = zeroed(n.uploads),
         pose_features: f32 = zeroed(n.uploads * n.features),
+        /// Of every instance.
+        pose_offsets: [f32; 3] = zeroed(n.instances * n.offset_vertices),
         /// A bit for each frame, of the states: starts have no derivatives.
         prescribed: u32 = zeroed(n.states * n.frame_words),
         frames: Frame = zeroed(n.uploads * n.bones),

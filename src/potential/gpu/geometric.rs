@@ -7,7 +7,7 @@ use crate::model::State;
 use crate::potential::cpu::contact::ContactRow;
 use crate::potential::cpu::displacement::unposed_displacement;
 use crate::potential::cpu::geometric::{Vertex, add_geometric};
-use crate::potential::cpu::pose_blend::pose_blend;
+use crate::potential::cpu::pose_blend::{add_offsets, pose_blend};
 use glam::{DVec3, Vec3};
 
 /// The terms of the rows in `contacts`, as read back, at `state`; none where the step did not ask for them.
@@ -19,7 +19,7 @@ pub(super) fn geometric_terms(
     out: &mut Vec<[f64; 9]>,
 ) {
     out.clear();
-    let Some(feature) = &start.geometric else {
+    let Some(of_skin) = &start.geometric else {
         return;
     };
     out.resize(recorder.pattern.len(), [0.0; 9]);
@@ -31,7 +31,9 @@ pub(super) fn geometric_terms(
     for row in rows.filter(|row| row.force != 0.0 && exists(row)) {
         let v = row.vertex as usize;
         let mut rest = [DVec3::ZERO];
+        let (feature, offsets) = (&of_skin.feature, &of_skin.offsets);
         pose_blend(&skin.position, &skin.pose_blend, feature, v, &mut rest);
+        add_offsets(&mut rest, offsets.get(v..).unwrap_or_default());
         let basis = skin.basis.row(v);
         let vertex = Vertex {
             skinning: skin.skinning.row(v),

@@ -9,17 +9,19 @@ use crate::potential::PreviousSkin;
 use crate::{Error, Result};
 
 impl Recorder {
-    /// Positions and normals of every instance's skin, into the buffer that is drawn from.
+    /// Positions and normals of every instance's skin with its `offsets`, if there are any, into the buffer that is drawn from.
     ///
     /// # Errors
     /// As [`Potential::pose_skin`](crate::potential::Potential::pose_skin); nothing is recorded then.
     pub fn record_pose_skin(
         &mut self,
         states: &[State],
+        offsets: &[&[[f32; 3]]],
         previous: &[PreviousSkin],
         submission: &mut Submission,
     ) -> Result<()> {
-        self.checks.poses(states, previous)?;
+        self.checks.poses(states, offsets, previous)?;
+        let offsets_of = |i: usize| offsets.get(i).copied().unwrap_or_default();
         let (instances, sizes) = (self.starts.len(), self.buffers.sizes);
         let first = sizes.slots;
         self.clear_uploads();
@@ -27,6 +29,7 @@ impl Recorder {
             let batch_state = BatchState {
                 instance: i as u32,
                 slot: (first + i) as u32,
+                has_offsets: u32::from(!offsets_of(i).is_empty()),
                 ..BatchState::default()
             };
             if !self.push_state(batch_state, state, state, state.frames[0].position) {
@@ -36,6 +39,7 @@ impl Recorder {
             }
             self.push_features(state);
         }
+        self.upload_offsets((0..instances).map(|i| (i, offsets_of(i))), submission);
         let features = self.features.len() / instances;
         self.keep_skins(previous, PreviousSkin::Last, submission);
         for (i, state) in states.iter().enumerate() {

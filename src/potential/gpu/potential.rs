@@ -296,8 +296,14 @@ impl Potential for GpuPotential {
     }
 
     /// Submits: what is drawn from may be used by the host's next submission.
-    async fn pose_skin(&mut self, states: &[State], previous: &[PreviousSkin]) -> Result<()> {
-        (self.recorder).record_pose_skin(states, previous, &mut self.submission)?;
+    async fn pose_skin(
+        &mut self,
+        states: &[State],
+        offsets: &[&[[f32; 3]]],
+        previous: &[PreviousSkin],
+    ) -> Result<()> {
+        let submission = &mut self.submission;
+        (self.recorder).record_pose_skin(states, offsets, previous, submission)?;
         self.submission.flush();
         Ok(())
     }

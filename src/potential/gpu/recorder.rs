@@ -27,8 +27,15 @@ pub(super) struct Start {
     pub batch_state: BatchState,
     /// Which frames are prescribed; empty where none is.
     pub prescribed: Vec<bool>,
-    /// Pose feature of qⁿ where the geometric terms of contact are wanted.
-    pub geometric: Option<Vec<f64>>,
+    /// What x̄ of the skin is made of, where the geometric terms of contact are wanted.
+    pub geometric: Option<SkinRest>,
+}
+
+/// Pose feature of qⁿ, and the offsets of the skin.
+#[derive(Clone, Debug)]
+pub(super) struct SkinRest {
+    pub feature: Vec<f64>,
+    pub offsets: Vec<[f32; 3]>,
 }
 
 /// Records the stages for a batch of avatars into submissions, and unpacks what they bring back.
@@ -56,11 +63,15 @@ pub struct Recorder {
     pub(super) previous_skin_origins: Vec<DVec3>,
     /// Pose features of each instance's posed skin; empty before it is posed.
     pub(super) posed_features: Vec<Vec<f32>>,
+    /// The offsets of each instance's skin that the device has.
+    pub(super) offsets: Vec<Vec<[f32; 3]>>,
     /// The recordings in which the parts of the uploads were last written: the starts', the states', and that of the
     /// states that are posed.
     starts_recording: u64,
     states_recording: u64,
     poses_recording: u64,
+    /// The recording in which offsets were last read or written.
+    offsets_recording: u64,
     /// Where its results are among all that the submission reads back.
     pub(super) results: Range<usize>,
     /// Likewise of a step's end, which may come back with the next step's first results, and whose they are.
@@ -104,9 +115,11 @@ impl Recorder {
             skin_origins: vec![DVec3::ZERO; instances],
             previous_skin_origins: vec![DVec3::ZERO; instances],
             posed_features: vec![Vec::new(); instances],
+            offsets: vec![Vec::new(); instances],
             starts_recording: 0,
             states_recording: 0,
             poses_recording: 0,
+            offsets_recording: 0,
             results: 0..0,
             ends: 0..0,
             ended: Vec::with_capacity(instances),
@@ -175,6 +188,28 @@ impl Recorder {
     /// Before the part of the uploads is written that is posed: what waits for its last contents is sent.
     pub(super) fn claim_poses(&mut self, submission: &mut Submission) {
         claim(&mut self.poses_recording, submission);
+    }
+
+    /// Sends the offsets of instances whose others the device has; x̄ of their posed skins is then that of the past.
+    pub(super) fn upload_offsets<'a>(
+        &mut self,
+        offsets: impl Iterator<Item = (usize, &'a [[f32; 3]])> + Clone,
+        submission: &mut Submission,
+    ) {
+        if (offsets.clone()).any(|(i, offsets)| self.offsets[i] != *offsets) {
+            claim(&mut self.offsets_recording, submission);
+        }
+        self.offsets_recording = submission.recording();
+        let vertices = self.buffers.sizes.offset_vertices;
+        for (i, offsets) in offsets {
+            let held = &mut self.offsets[i];
+            if held != offsets {
+                held.clear();
+                held.extend_from_slice(offsets);
+                self.posed_features[i].clear();
+                (self.buffers.common.pose_offsets).write(&self.queue, i * vertices, offsets);
+            }
+        }
     }
 
     /// Records dispatches.

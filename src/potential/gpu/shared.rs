@@ -39,8 +39,8 @@ host_shareable! {
         pub density: f32,
         /// From an instance's posed skin to the next one's, vertices.
         pub skin_stride: u32,
-        /// Padding.
-        pub _pad: u32,
+        /// Skin vertices that may have offsets, an instance.
+        pub offset_vertices: u32,
     }
 
     /// One state of a batch (kernels/shared/batch.wgsl).
@@ -63,8 +63,8 @@ host_shareable! {
         pub smoothing: f32,
         /// Factor on the tissue's stiffness.
         pub stiffness: f32,
-        /// Padding.
-        pub _pad: u32,
+        /// 1 where the host gave offsets of the skin, else 0.
+        pub has_offsets: u32,
     }
 
     /// Which states of a batch a dispatch takes (kernels/shared/batch.wgsl).
@@ -91,8 +91,10 @@ host_shareable! {
         pub first_block: u32,
         /// Its pairs of blocks among all points'.
         pub first_pair: u32,
-        /// Padding.
-        pub _pad: [u32; 2],
+        /// What it follows of the skin's offsets, among the influences.
+        pub first_share: u32,
+        /// Number of skin vertices that it follows.
+        pub shares: u32,
     }
 
     /// What the material has of its own at a cubature point (kernels/shared/tissue.wgsl).
@@ -105,11 +107,11 @@ host_shareable! {
         pub _pad: [u32; 3],
     }
 
-    /// A bone's or a handle's share (kernels/shared/kinematics.wgsl).
+    /// The share of a bone, a handle or a skin vertex (kernels/shared/kinematics.wgsl).
     pub struct Influence {
-        /// Bone or handle.
+        /// Bone, handle or skin vertex.
         pub index: u32,
-        /// w or U.
+        /// w, U or E.
         pub weight: f32,
     }
 

@@ -38,6 +38,8 @@ pub(super) struct Sizes {
     pub handles: usize,
     /// Pose features, the most of any set of points.
     pub features: usize,
+    /// Skin vertices that may have offsets; none where the tissue could not follow them.
+    pub offset_vertices: usize,
     /// 3-vectors of q.
     pub blocks: usize,
     /// Stored blocks of the Hessian.
@@ -100,6 +102,7 @@ impl Sizes {
             bones: space.frames,
             handles: space.handles,
             features: (avatar.cubature.pose_blend.features).max(avatar.skin.pose_blend.features),
+            offset_vertices: skin.shares(),
             blocks: space.blocks(),
             pattern_blocks: tables.pattern.len(),
             hessian_segments: tables.hessian_segments.len(),
@@ -185,6 +188,7 @@ impl Sizes {
             vertex_groups: workgroups(self.vertices),
             density: avatar.density as f32,
             skin_stride: self.skin_stride as u32,
+            offset_vertices: self.offset_vertices as u32,
             ..Constants::default()
         }
     }

@@ -29,7 +29,13 @@ pub(super) struct PointTable {
 }
 
 impl PointTable {
-    pub fn new(space: Space, set: &PointSet, field: &str, max_blocks: usize) -> Result<Self> {
+    /// The points of `set`, whose `extension` says what they follow of the skin's offsets; no rows where they do not.
+    pub fn new(
+        space: Space,
+        (set, extension): (&PointSet, &Rows<(u32, f32)>),
+        field: &str,
+        max_blocks: usize,
+    ) -> Result<Self> {
         let mut out = Self {
             columns: set.pose_blend.columns.iter().flatten().copied().collect(),
             ..Self::default()
@@ -83,7 +89,18 @@ impl PointTable {
             out.pairs += blocks.len() * (blocks.len() + 1) / 2;
             out.blocks.push(blocks.iter().copied());
         }
+        for (point, shares) in out.points.iter_mut().zip(extension.iter()) {
+            point.first_share = out.influences.len() as u32;
+            point.shares = shares.len() as u32;
+            let share = |&(index, weight): &(u32, f32)| Influence { index, weight };
+            out.influences.extend(shares.iter().map(share));
+        }
         Ok(out)
+    }
+
+    /// Number of all points' shares in offsets of the skin.
+    pub fn shares(&self) -> usize {
+        self.points.iter().map(|p| p.shares as usize).sum()
     }
 }
 
@@ -114,8 +131,15 @@ pub(super) struct Tables {
 impl Tables {
     pub fn new(avatar: &Avatar) -> Result<Self> {
         let space = avatar.space();
-        let cubature = PointTable::new(space, &avatar.cubature, "cubature", MAX_POINT_BLOCKS)?;
-        let skin = PointTable::new(space, &avatar.skin, "skin", MAX_VERTEX_BLOCKS)?;
+        // A skin vertex follows its own offset.
+        let vertices = match avatar.is_extended() {
+            true => avatar.offset_vertices() as u32,
+            false => 0,
+        };
+        let own: Rows<_> = (0..vertices).map(|v| [(v, 1.0)]).collect();
+        let cubature = (&avatar.cubature, &avatar.pose_extension);
+        let cubature = PointTable::new(space, cubature, "cubature", MAX_POINT_BLOCKS)?;
+        let skin = PointTable::new(space, (&avatar.skin, &own), "skin", MAX_VERTEX_BLOCKS)?;
         let pattern = BlockPattern::new(space, &[&avatar.cubature, &avatar.skin])
             .with_bodies(&avatar.body_frames(), &skin.blocks);
 

@@ -14,11 +14,17 @@ type Mutant = (&'static str, &'static str, &'static str, &'static str);
 #[rustfmt::skip]
 const MUTANTS: &[Mutant] = &[
     // pose_blend
-    ("pose_blend", "pose_blend.wgsl", "points[i].position + x", "points[i].position - x"),
+    ("pose_blend", "pose_blend.wgsl", "point.position + x", "point.position - x"),
     ("pose_blend", "pose_blend.wgsl", "pose_features[at * constants.features + k]", "pose_features[k]"),
     ("pose_blend", "pose_blend.wgsl", "pose_columns[c + 2u]", "pose_columns[c + 1u]"),
     ("pose_blend", "pose_blend.wgsl", "var k = 0u", "var k = 1u"),
-    ("pose_blend", "pose_blend.wgsl", "batch[at].instance * constants.points + i", "i"),
+    ("pose_blend", "pose_blend.wgsl", "state.instance * constants.points + i", "i"),
+    ("pose_blend", "pose_blend.wgsl", "state.instance * constants.offset_vertices", "0u"),
+    ("pose_blend", "pose_blend.wgsl", "let u = 3u * (first + influences[k].index)", "let u = 3u * first"),
+    ("pose_blend", "pose_blend.wgsl", "pose_offsets[u + 2u]", "pose_offsets[u + 1u]"),
+    ("pose_blend", "pose_blend.wgsl", "influences[k].weight * offset", "offset"),
+    ("pose_blend", "pose_blend.wgsl", "k < point.first_share + point.shares", "k < point.first_share + 1u"),
+    ("pose_blend", "pose_blend.wgsl", "var k = point.first_share", "var k = 0u"),
     // displacement
     ("displacement", "shared/point_motion.wgsl", "t_base - frames[f].joint", "t_base + frames[f].joint"),
     ("displacement", "shared/point_motion.wgsl", "rotation * t_increment", "t_increment * rotation"),

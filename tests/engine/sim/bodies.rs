@@ -234,6 +234,7 @@ fn bodies_leave_the_avatar_as_it_is() -> Result<()> {
             simulation.potential_mut(),
             &[state],
             &[],
+            &[],
         ))?;
         let (mut skin, mut normals) = (Vec::new(), Vec::new());
         simulation.read_skin_blocking(0, &mut skin, &mut normals)?;

@@ -99,7 +99,12 @@ impl Potential for Toy {
         }
         Ok(())
     }
-    async fn pose_skin(&mut self, _: &[State], _: &[PreviousSkin]) -> Result<()> {
+    async fn pose_skin(
+        &mut self,
+        _: &[State],
+        _: &[&[[f32; 3]]],
+        _: &[PreviousSkin],
+    ) -> Result<()> {
         Ok(())
     }
     async fn read_skin(&mut self, _: usize, _: &mut Vec<DVec3>, _: &mut Vec<DVec3>) -> Result<()> {

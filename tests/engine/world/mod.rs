@@ -6,6 +6,7 @@ mod contacts;
 mod driving;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod offsets;
 mod previous_skins;
 mod snapshots;
 

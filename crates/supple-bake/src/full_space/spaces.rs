@@ -19,6 +19,7 @@ pub fn all_tets(avatar: &Avatar) -> Result<Avatar> {
         name: format!("{}, all tets", avatar.name),
         cubature: whole_layer(avatar, &avatar.layer.basis)?,
         tissue: avatar.layer.tissue.clone(),
+        pose_extension: Rows::default(),
         ..avatar.clone()
     })
 }
@@ -57,6 +58,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         skin,
         triangles: avatar.triangles.clone(),
         attached: avatar.attached.clone(),
+        pose_extension: Rows::default(),
         render_meshes: avatar.render_meshes.clone(),
         material: avatar.material,
         tissue: layer.tissue.clone(),

@@ -5,8 +5,10 @@ use std::path::Path;
 use supple::Error;
 use supple::file::{AvatarFile, Parts, Section, read_avatar, write_avatar};
 use supple::glam::{DAffine3, DVec3};
-use supple::internal::math::Random;
-use supple::model::{Avatar, Joint, JointBone, JointList, RenderMesh, SkinJoints, UpAxis};
+use supple::internal::math::{Random, Rows};
+use supple::model::{
+    Avatar, Joint, JointBone, JointList, PoseOffsets, RenderMesh, SkinJoints, UpAxis,
+};
 use supple_bake::{
     BakeCost, BakeReport, HandleCandidates, bake, baked_file, from_bytes, full_space, read_baked,
     to_bytes, write_baked,
@@ -212,6 +214,35 @@ fn materials_and_tangents_come_back_and_have_defaults() {
     avatar.render_meshes[0].tangents = vec![[1.0; 4]; 2];
     let error = to_bytes(&avatar, None).unwrap_err().to_string();
     assert!(error.contains("tangent"), "{error}");
+}
+
+#[test]
+fn a_file_without_the_extension_is_read_and_says_so_where_offsets_come() {
+    let (mut avatar, _) = tiny();
+    let path = Path::new("limb.supple");
+    let offsets = vec![[1e-3; 3]; avatar.offset_vertices()];
+    let mut held = PoseOffsets::default();
+    let file = |avatar: &Avatar| AvatarFile::new(avatar.clone());
+    let with = file(&avatar).to_bytes(Parts::Step).unwrap();
+    let back = AvatarFile::from_bytes(&with, path).unwrap().avatar;
+    held.set(&back, &offsets).unwrap();
+    // As `supple` wrote it before there were any.
+    avatar.pose_extension = Rows::default();
+    let without = file(&avatar).to_bytes(Parts::Step).unwrap();
+    assert!(!without.windows(4).any(|w| w == b"exte"));
+    let back = AvatarFile::from_bytes(&without, path).unwrap().avatar;
+    let error = held.set(&back, &offsets).unwrap_err().to_string();
+    assert!(error.contains("bake the character again"), "{error}");
+    held.set(&back, &[]).unwrap();
+    // A row too few, and a vertex that is not there.
+    for row in [vec![(0, 1.0)], vec![(offsets.len() as u32, 1.0)]] {
+        avatar.pose_extension = (1..avatar.cubature.len()).map(|_| [(0, 1.0)]).collect();
+        if row[0].0 > 0 {
+            avatar.pose_extension.push(row);
+        }
+        let error = file(&avatar).to_bytes(Parts::Step).unwrap_err();
+        assert!(error.to_string().contains("pose_extension"), "{error}");
+    }
 }
 
 #[test]

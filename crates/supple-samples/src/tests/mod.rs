@@ -2,4 +2,5 @@
 
 mod body;
 mod hand;
+mod offsets;
 mod surface;

@@ -48,7 +48,7 @@ fn run(avatar: &Arc<Avatar>, triples: &[[State; 3]]) -> Vec<(Evaluation, f64, Ve
             .energy_differences(&trials, &mut differences)
             .await
             .unwrap();
-        potential.pose_skin(&states, &[]).await.unwrap();
+        potential.pose_skin(&states, &[], &[]).await.unwrap();
     });
     let mut skin = |k| {
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
@@ -143,7 +143,7 @@ fn a_step_from_the_drawn_pose_has_the_bits_of_one_from_scratch() {
     let evaluate = |drawn: &[&State]| {
         let mut potential = CpuPotential::new(avatar.clone(), 1).unwrap();
         for state in drawn {
-            block_on(potential.pose_skin(std::slice::from_ref(state), &[])).unwrap();
+            block_on(potential.pose_skin(std::slice::from_ref(state), &[], &[])).unwrap();
         }
         let mut out = [Evaluation::default()];
         block_on(potential.begin_step(&[start(previous, current, &colliders)], &[true])).unwrap();

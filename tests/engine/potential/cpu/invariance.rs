@@ -40,7 +40,7 @@ fn the_drawn_skin_is_the_parametric_model_moved_by_the_handles() {
     let avatar = avatar();
     let state = random_state(3, &avatar, 1.0, 0.01);
     let mut potential = CpuPotential::new(avatar.clone(), 1).unwrap();
-    block_on(potential.pose_skin(std::slice::from_ref(&state), &[])).unwrap();
+    block_on(potential.pose_skin(std::slice::from_ref(&state), &[], &[])).unwrap();
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     block_on(potential.read_skin(0, &mut positions, &mut normals)).unwrap();
     for (v, &position) in positions.iter().enumerate() {

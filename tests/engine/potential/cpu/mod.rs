@@ -3,6 +3,7 @@
 mod batches;
 mod errors;
 mod invariance;
+mod offsets;
 
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
@@ -36,6 +37,7 @@ fn start<'a>(previous: &'a State, current: &'a State, colliders: &'a [Collider])
         slip_speed: 1e-3,
         geometric_contact: false,
         factors: TissueFactors::default(),
+        pose_offsets: &[],
         prescribed: &[],
     }
 }

@@ -211,6 +211,7 @@ impl Case {
             slip_speed: self.slip_speed,
             geometric_contact: true,
             factors: self.factors,
+            pose_offsets: &[],
             prescribed: &[],
         }
     }

@@ -157,6 +157,7 @@ pub fn terms() -> Vec<Term> {
         &moments,
         Some((&TissueMoments::new(&avatar), 1.0)),
         &current,
+        &[],
     );
 
     let limit = |range| {

@@ -199,6 +199,7 @@ impl Tissue {
             slip_speed: setup.slip_speed,
             geometric_contact: false,
             factors: TissueFactors::default(),
+            pose_offsets: &[],
             prescribed: &[],
         };
         block_on(potential.begin_step(&[start], &[true])).unwrap();

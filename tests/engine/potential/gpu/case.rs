@@ -5,7 +5,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::math::Random;
-use supple::internal::random_state;
+use supple::internal::{pose_offsets, random_state};
 use supple::model::{Avatar, Frame, State};
 use supple::potential::{
     Evaluation, GpuOptions, GpuPotential, Potential, StepEnd, StepStart, TissueFactors, Trial,
@@ -25,6 +25,8 @@ pub struct Case {
     pub states: [State; 3],
     pub colliders: Vec<Collider>,
     pub prescribed: Vec<bool>,
+    /// Of the skin; of every third seed there are none.
+    pub offsets: Vec<[f32; 3]>,
 }
 
 pub fn case(seed: u64, avatar: &Avatar) -> Case {
@@ -64,6 +66,10 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
         prescribed: (0..avatar.skeleton.len())
             .map(|frame| frame == seed as usize % avatar.skeleton.len())
             .collect(),
+        offsets: match seed % 3 {
+            0 => Vec::new(),
+            _ => pose_offsets(seed, avatar, 5e-3),
+        },
     }
 }
 
@@ -77,6 +83,7 @@ pub fn start(case: &Case) -> StepStart<'_> {
         slip_speed: 1e-3,
         geometric_contact: true,
         factors: TissueFactors::default(),
+        pose_offsets: &case.offsets,
         prescribed: &case.prescribed,
     }
 }
@@ -142,7 +149,8 @@ pub fn run(potential: &mut impl Potential, cases: &[&Case]) -> Outcome {
             .await
             .unwrap();
         let states: Vec<State> = cases.iter().map(|c| c.states[0].clone()).collect();
-        potential.pose_skin(&states, &[]).await.unwrap();
+        let offsets: Vec<_> = cases.iter().map(|c| &c.offsets[..]).collect();
+        potential.pose_skin(&states, &offsets, &[]).await.unwrap();
         for i in 0..cases.len() {
             let (mut positions, mut normals) = (Vec::new(), Vec::new());
             potential

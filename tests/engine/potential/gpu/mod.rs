@@ -5,13 +5,14 @@ mod case;
 mod errors;
 mod few_contacts;
 mod many;
+mod offsets;
 mod sharing;
 mod waiting;
 
 use case::{Case, Outcome, case, device, joined, potential, run, start};
 use std::sync::Arc;
 use supple::gpu::GpuDevice;
-use supple::internal::random_avatar;
+use supple::internal::{pose_offsets, random_avatar};
 use supple::model::{Avatar, State};
 use supple::potential::{CpuPotential, Evaluation, GpuOptions, Potential};
 
@@ -57,8 +58,14 @@ fn the_same_input_gives_the_same_bits() {
     let mut fresh = potential(&gpu, &avatar, 1, GpuOptions::default());
     assert_eq!(once, run(&mut fresh, &[&case]));
     // And here it is of the very pose, and carried over.
-    pollster::block_on(fresh.pose_skin(std::slice::from_ref(&case.current), &[])).unwrap();
+    let current = std::slice::from_ref(&case.current);
+    pollster::block_on(fresh.pose_skin(current, &[&case.offsets], &[])).unwrap();
     assert_eq!(once, run(&mut fresh, &[&case]));
+    // Of the very pose, but of other offsets or none.
+    for offsets in [pose_offsets(5, &avatar, 5e-3), Vec::new()] {
+        pollster::block_on(fresh.pose_skin(current, &[&offsets], &[])).unwrap();
+        assert_eq!(once, run(&mut fresh, &[&case]));
+    }
 }
 
 #[test]

@@ -160,7 +160,9 @@ fn run_together(
     for (potential, cases) in potentials.iter_mut().zip(cases) {
         let states: Vec<State> = cases.iter().map(|c| c.states[0].clone()).collect();
         let recorder = potential.recorder();
-        recorder.record_pose_skin(&states, &[], submission).unwrap();
+        recorder
+            .record_pose_skin(&states, &[], &[], submission)
+            .unwrap();
     }
     submission.flush();
     for ((potential, cases), out) in potentials.iter_mut().zip(cases).zip(&mut out) {
@@ -240,7 +242,7 @@ fn what_a_step_recorded_is_sent_whatever_comes_next() {
         plain.evaluate(&states, &[true; 2], &mut want).await?;
         let mut difference = [0.0];
         plain.energy_differences(&[trial], &mut difference).await?;
-        plain.pose_skin(&states, &[]).await?;
+        plain.pose_skin(&states, &[], &[]).await?;
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
         plain.read_skin(1, &mut positions, &mut normals).await?;
 
@@ -262,7 +264,7 @@ fn what_a_step_recorded_is_sent_whatever_comes_next() {
         // The skin first.
         let mut posed = new();
         posed.begin_step(&starts, &[true; 2]).await?;
-        posed.pose_skin(&states, &[]).await?;
+        posed.pose_skin(&states, &[], &[]).await?;
         let (mut at, mut along) = (Vec::new(), Vec::new());
         posed.read_skin(1, &mut at, &mut along).await?;
         assert_eq!((at, along), (positions, normals));

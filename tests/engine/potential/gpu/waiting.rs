@@ -167,14 +167,14 @@ fn futures_may_go_to_other_threads() {
     is_send(on_gpu.evaluate(&states, &[true], &mut out));
     is_send(on_gpu.energy_differences(&trials, &mut [0.0]));
     is_send(on_gpu.end_step(&states, &[true], &mut ends));
-    is_send(on_gpu.pose_skin(&states, &[]));
+    is_send(on_gpu.pose_skin(&states, &[], &[]));
     is_send(on_gpu.read_skin(0, &mut positions, &mut normals));
     let mut on_cpu = CpuPotential::new(avatar.clone(), 1).unwrap();
     is_send(on_cpu.begin_step(&starts, &[true]));
     is_send(on_cpu.evaluate(&states, &[true], &mut out));
     is_send(on_cpu.energy_differences(&trials, &mut [0.0]));
     is_send(on_cpu.end_step(&states, &[true], &mut ends));
-    is_send(on_cpu.pose_skin(&states, &[]));
+    is_send(on_cpu.pose_skin(&states, &[], &[]));
     is_send(on_cpu.read_skin(0, &mut positions, &mut normals));
     is_send(supple::gpu::GpuDevice::open(Default::default()));
     let (device, law) = (&gpu.device, &avatar.material);

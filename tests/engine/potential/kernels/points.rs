@@ -10,17 +10,23 @@ use supple::internal::cpu::elasticity::{Damping, displacement_gradient, stress, 
 use supple::internal::cpu::normals::{normal, vertex_triangles};
 use supple::internal::cpu::{displacement, pose_blend as pose_blend_twin, skin as skin_twin};
 use supple::internal::gpu::shared;
-use supple::internal::math::Mat9;
+use supple::internal::math::{Mat9, Rows};
 use supple::model::{BasisEntry, PointSet, SkinWeight};
 
-/// x̄: a product, then as many sums as there are features, and one with X.
+/// x̄: a product, then as many sums as there are features and shares, and one with X.
 pub fn pose_blend(scene: &Scene) -> Outcome {
     let mut out = Comparison::default();
     let avatar = &scene.avatar;
-    for (phase, name, set) in [
-        (Phase::Evaluated, "unposed", &avatar.cubature),
-        (Phase::Evaluated, "skin_unposed", &avatar.skin),
-        (Phase::Posed, "posed_skin_unposed", &avatar.skin),
+    let own: Rows<(u32, f32)> = (0..avatar.skin.len() as u32).map(|v| [(v, 1.0)]).collect();
+    for (phase, name, set, extension) in [
+        (
+            Phase::Evaluated,
+            "unposed",
+            &avatar.cubature,
+            &avatar.pose_extension,
+        ),
+        (Phase::Evaluated, "skin_unposed", &avatar.skin, &own),
+        (Phase::Posed, "posed_skin_unposed", &avatar.skin, &own),
     ] {
         let features = set.pose_blend.features;
         let feature: Vec<f32> = scene.pose_features(phase, features);
@@ -31,8 +37,13 @@ pub fn pose_blend(scene: &Scene) -> Outcome {
         for i in 0..set.len() {
             let column = |k: usize| vec(set.pose_blend.columns[k * set.len() + i]).abs();
             let terms = (0..features).map(|k| feature[k].abs() * column(k));
-            let magnitude = set.position[i].abs() + terms.sum::<DVec3>();
-            out.vector(got[i], want[i], magnitude, features + 2);
+            let (shares, offsets) = (extension.row(i), scene.offsets(phase));
+            let term =
+                |&(v, share): &(u32, f32)| f64::from(share.abs()) * vec(offsets[v as usize]).abs();
+            let followed = shares.iter().map(term).sum::<DVec3>();
+            let magnitude = set.position[i].abs() + terms.sum::<DVec3>() + followed;
+            let want = want[i] + pose_blend_twin::pose_offset(shares, offsets);
+            out.vector(got[i], want, magnitude, features + shares.len() + 2);
         }
     }
     out.finish("x̄")

@@ -12,7 +12,7 @@ use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::cpu::displacement::FrameMotion;
 use supple::internal::gpu::{Sources, shared};
 use supple::internal::math::Random;
-use supple::internal::random_state;
+use supple::internal::{pose_offsets, random_state};
 use supple::material::MaterialPoint;
 use supple::model::{Avatar, Frame, PointSet, State};
 use supple::potential::{
@@ -97,6 +97,8 @@ pub struct Scene {
     /// Relative to the instance's origin, rounded and with the factor on friction, as the kernels got them.
     pub colliders: Vec<Collider>,
     pub evaluation: Evaluation,
+    /// Of every instance; skins are posed with those of another than the step is.
+    offsets: Vec<Vec<[f32; 3]>>,
     buffers: HashMap<(Phase, &'static str), Vec<u8>>,
 }
 
@@ -170,6 +172,9 @@ impl Scene {
             .map(|(i, q)| colliders(seed + i as u64, q.frames[0].position))
             .collect();
         let prescribed: Vec<_> = (0..INSTANCES).map(|i| prescribed(&avatar, i)).collect();
+        let offsets: Vec<_> = (0..INSTANCES)
+            .map(|i| pose_offsets(seed + i as u64, &avatar, 5e-3))
+            .collect();
         let starts: Vec<_> = (0..INSTANCES)
             .map(|i| StepStart {
                 time_step: TIME_STEP,
@@ -180,6 +185,7 @@ impl Scene {
                 slip_speed: SLIP_SPEED,
                 geometric_contact: false,
                 factors: factors(),
+                pose_offsets: &offsets[i],
                 prescribed: &prescribed[i],
             })
             .collect();
@@ -188,6 +194,7 @@ impl Scene {
             pattern: potential.pattern().clone(),
             colliders: Vec::new(),
             evaluation: Evaluation::default(),
+            offsets: offsets.clone(),
             buffers: HashMap::new(),
             avatar,
         };
@@ -207,7 +214,8 @@ impl Scene {
                 .energy_differences(&[compared], &mut [0.0])
                 .await?;
             scene.look(&mut potential, Phase::Compared).await?;
-            potential.pose_skin(&state, &[]).await?;
+            let others = [&scene.offsets[1][..], &scene.offsets[0][..]];
+            potential.pose_skin(&state, &others, &[]).await?;
             scene.look(&mut potential, Phase::Posed).await
         })?;
         let origin = current[INSTANCE].frames[0].position;
@@ -320,6 +328,14 @@ impl Scene {
     pub fn rest(&self, phase: Phase, name: &'static str, set: &PointSet) -> Vec<DVec3> {
         let rest: Vec<[f32; 4]> = self.items(phase, name, INSTANCE, set.len());
         rest.iter().map(|r| vec([r[0], r[1], r[2]])).collect()
+    }
+
+    /// The looked-at instance's offsets of the skin.
+    pub fn offsets(&self, phase: Phase) -> &[[f32; 3]] {
+        match phase {
+            Phase::Evaluated | Phase::Compared => &self.offsets[INSTANCE],
+            Phase::Posed => &self.offsets[1 - INSTANCE],
+        }
     }
 
     /// What cubature points did in `slot`.

@@ -118,6 +118,7 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
             slip_speed: 1e-3,
             geometric_contact: false,
             factors: TissueFactors::default(),
+            pose_offsets: &[],
             prescribed: &[],
         };
         let mut out = [Evaluation::default()];
