@@ -159,9 +159,10 @@ fn run_together(
     }
     for (potential, cases) in potentials.iter_mut().zip(cases) {
         let states: Vec<State> = cases.iter().map(|c| c.states[0].clone()).collect();
+        let offsets: Vec<_> = cases.iter().map(|c| &c.offsets[..]).collect();
         let recorder = potential.recorder();
         recorder
-            .record_pose_skin(&states, &[], &[], submission)
+            .record_pose_skin(&states, &offsets, &[], submission)
             .unwrap();
     }
     submission.flush();
