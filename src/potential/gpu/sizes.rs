@@ -189,7 +189,6 @@ impl Sizes {
             density: avatar.density as f32,
             skin_stride: self.skin_stride as u32,
             offset_vertices: self.offset_vertices as u32,
-            ..Constants::default()
         }
     }
 
