@@ -110,6 +110,17 @@ fn broken_documents_name_the_object_at_fault() {
             &["EXT_meshopt_compression"],
         ),
         (
+            set(
+                "/extensionsRequired",
+                json!(["KHR_materials_ior", "EXT_mesh_gpu_instancing"]),
+            ),
+            &["EXT_mesh_gpu_instancing", "without it"],
+        ),
+        (
+            set("/extensionsRequired", json!(["KHR_lights_punctual_2"])),
+            &["KHR_lights_punctual_2"],
+        ),
+        (
             set("/extensionsRequired", json!(["ACME_teapot"])),
             &["ACME_teapot"],
         ),
@@ -215,6 +226,23 @@ fn broken_documents_name_the_object_at_fault() {
         change(&mut file);
         refused(&file.glb(), words);
     }
+}
+
+#[test]
+fn extensions_that_leave_geometry_alone_may_be_required() {
+    let mut file = rich();
+    file.json["extensionsRequired"] = json!([
+        "KHR_materials_pbrSpecularGlossiness",
+        "KHR_materials_variants",
+        "KHR_texture_basisu",
+        "EXT_texture_avif",
+        "KHR_lights_punctual",
+        "KHR_xmp_json_ld",
+        "KHR_node_visibility",
+        "KHR_mesh_quantization",
+        "VRMC_vrm_animation",
+    ]);
+    read(&file.glb()).unwrap();
 }
 
 #[test]
