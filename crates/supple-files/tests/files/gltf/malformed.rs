@@ -142,13 +142,10 @@ fn broken_documents_name_the_object_at_fault() {
             set("/nodes/1/rotation", json!([0, 0, 0, 0])),
             &["nodes[1]", "rotation"],
         ),
+        (set("/nodes/1/scale", json!([0, 0, 0])), &["meshes", "flat"]),
         (
-            set("/nodes/1/scale", json!([1, 2, 1])),
-            &["nodes[1]", "bone 0", "sheared"],
-        ),
-        (
-            set("/nodes/1/scale", json!([0, 0, 0])),
-            &["bone 0", "nothing"],
+            set("/skins", json!([{"joints": []}])),
+            &["primitives[0]", "no joints"],
         ),
         (
             set("/nodes/1/translation", json!([1e308, 1e308, 0])),
