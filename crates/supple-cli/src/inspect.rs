@@ -1,5 +1,6 @@
 //! `supple inspect`.
 
+use super::animations::MotionPreview;
 use super::bake_report::print_bake_report;
 use super::preview::Preview;
 use super::terminal::{print, print_json, print_table};
@@ -8,12 +9,12 @@ use std::path::PathBuf;
 use supple::model::{Avatar, Joint, JointBone, UpAxis};
 use supple::{Error, Result};
 use supple_bake::{BakeReport, Baked, read_baked};
-use supple_files::FileKind;
+use supple_files::{CharacterFormat, FileKind, is_gltf_motion};
 
 /// Arguments of `supple inspect`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A baked file, or a character file (.npz, .pkl, .glb, .gltf, .vrm, .obj, tets).
+    /// A baked file, a character file (.npz, .pkl, .glb, .gltf, .vrm, .obj, tets), or a glTF file of motions (.vrma too).
     file: PathBuf,
     /// JSON in place of a table.
     #[arg(long)]
@@ -208,6 +209,17 @@ impl Arguments {
                     print_bake_report(report);
                 }
                 contents.print();
+            }
+            FileKind::Character(CharacterFormat::Gltf) if is_gltf_motion(&self.file)? => {
+                let preview = MotionPreview::read(&self.file)?;
+                if self.json {
+                    return print_json(&preview);
+                }
+                preview.print();
+                let file = self.file.display();
+                print(format_args!(
+                    "\na motion and no character: supple motion {file} --avatar CHARACTER"
+                ));
             }
             FileKind::Character(_) => {
                 let preview = Preview::read(&self.file)?;

@@ -1,6 +1,7 @@
 //! The `supple` command: arguments in, files and tables out. What it does is in the library.
 
 mod adapters;
+mod animations;
 mod bake;
 mod bake_report;
 mod figures;

@@ -14,7 +14,7 @@ use supple_scene::{Playback, TrackedMotion, avatar_source_of, read_motion};
 /// Arguments of `supple motion`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A motion: .bvh, .npz (AMASS), .glb, .jsonl, .js or .json. Several poses (.js, .json) make a stream.
+    /// A motion: .bvh, .npz (AMASS), .glb, .vrma, .jsonl, .js or .json. Several poses (.js, .json) make a stream.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Write it to stdout as a stream of poses, JSON lines; poses come --every so many seconds [default: 1].
@@ -63,6 +63,7 @@ impl Arguments {
                 ("duration", format!("{:.3} s", clip.duration())),
                 ("bones", clip.bones.join(", ")),
             ]);
+            print_table(clip.notes.iter().map(|note| ("note", note.clone())));
         }
         let body = match &self.avatar {
             Some(path) => Some(avatar_source_of(path)?.body()?.0),

@@ -1,5 +1,6 @@
 //! What is in a character file before it is baked.
 
+use super::animations::{Animation, read_animations};
 use super::bake_report::attached;
 use super::terminal::print_table;
 use serde::Serialize;
@@ -7,9 +8,7 @@ use std::path::Path;
 use supple::Result;
 use supple::model::UpAxis;
 use supple_bake::mesh::SkinReport;
-use supple_files::{
-    CharacterFile, CharacterFormat, CharacterOptions, read_character, read_gltf_motions,
-};
+use supple_files::{CharacterFile, CharacterFormat, CharacterOptions, read_character};
 
 /// A character file's contents.
 #[derive(Serialize)]
@@ -44,15 +43,6 @@ struct Attached {
     follows_tissue: bool,
 }
 
-/// A motion in the file.
-#[derive(Serialize)]
-struct Animation {
-    name: String,
-    seconds: f64,
-    frames: usize,
-    bones: usize,
-}
-
 impl Preview {
     /// Reads the file at `path`.
     pub fn read(path: &Path) -> Result<Self> {
@@ -60,13 +50,15 @@ impl Preview {
             format,
             body,
             shapes,
-            notes,
+            mut notes,
             ..
         } = read_character(path, &CharacterOptions::default())?;
-        let clips = match format {
-            CharacterFormat::Gltf => read_gltf_motions(path)?,
-            _ => Vec::new(),
-        };
+        let mut animations = Vec::new();
+        if format == CharacterFormat::Gltf {
+            let (_, found, about) = read_animations(path)?;
+            animations = found;
+            notes.extend(about);
+        }
         let skin = SkinReport::of(&body.skin)?;
         let (low, high) = body.skin.bounds();
         Ok(Self {
@@ -91,14 +83,7 @@ impl Preview {
             drawn_parts: body.render_meshes.into_iter().map(|d| d.name).collect(),
             shapes,
             pose_features: body.pose_blend.features,
-            animations: (clips.into_iter())
-                .map(|clip| Animation {
-                    seconds: clip.duration(),
-                    frames: clip.frames.len(),
-                    bones: clip.bones.len(),
-                    name: clip.name,
-                })
-                .collect(),
+            animations,
             painted: body.painted.into_keys().collect(),
             tets: body.layer.mesh.tets.len(),
             notes,
@@ -143,16 +128,7 @@ impl Preview {
         }
         rows.push(("shapes", list(&self.shapes)));
         rows.push(("pose columns", self.pose_features.to_string()));
-        for a in &self.animations {
-            let Animation {
-                seconds,
-                frames,
-                bones,
-                ..
-            } = a;
-            let told = format!("{}: {seconds:.2} s, {frames} frames, {bones} bones", a.name);
-            rows.push(("animation", told));
-        }
+        rows.extend(self.animations.iter().map(Animation::row));
         if !self.painted.is_empty() {
             rows.push(("painted", list(&self.painted)));
         }

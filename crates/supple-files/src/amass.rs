@@ -69,6 +69,7 @@ pub fn parse_amass(bytes: &[u8], path: &Path) -> Result<MotionClip> {
             .zip(trans.numbers.chunks_exact(3))
             .map(frame)
             .collect(),
+        notes: Vec::new(),
     };
     clip.validate().map_err(|e| e.of_file(path))?;
     Ok(clip)

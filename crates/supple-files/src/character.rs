@@ -77,7 +77,7 @@ impl FileKind {
             _ if start.first() == Some(&PICKLE) => Self::Character(Smpl),
             _ if begins("$MeshFormat") || begins("MeshVersionFormatted") => Self::Character(Tets),
             "npz" | "pkl" | "pickle" => Self::Character(Smpl),
-            "glb" | "gltf" | "vrm" => Self::Character(Gltf),
+            "glb" | "gltf" | "vrm" | "vrma" => Self::Character(Gltf),
             "obj" => Self::Character(Obj),
             "node" | "ele" | "face" | "msh" | "mesh" | "meshb" | "txt" => Self::Character(Tets),
             "toml" => Self::Toml,

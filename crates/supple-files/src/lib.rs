@@ -33,7 +33,7 @@ pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, 
 pub use colour::{BODY_COLOUR, Colour, from_srgb};
 pub use file::{read_text, read_toml_text};
 pub use gltf::write::{GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, write_glb};
-pub use gltf::{parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};
+pub use gltf::{is_gltf_motion, parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};
 pub use hand_pose::{parse_pose, read_pose};
 pub use motion::{
     Align, BodyPart, BoneMap, BonePose, BonePoses, ClipOptions, ClipPlayer, Finger, MapOptions,

@@ -65,6 +65,7 @@ pub fn parse_bvh(text: &str, path: &Path, options: &BvhOptions) -> Result<Motion
             .map(|row| frame(joints, &translated, row, unit))
             .collect(),
         translated,
+        notes: Vec::new(),
     };
     clip.validate().map_err(|e| e.of_file(path))?;
     Ok(clip)

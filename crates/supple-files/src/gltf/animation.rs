@@ -1,9 +1,12 @@
 //! Animations as motions of the bones, away from the reference shape.
+//!
+//! Bones are rigid: keys of scales are left out, with a note, and every node keeps the scale that it has at rest.
 
 use super::container::File;
 use super::document::Animation;
-use super::nodes::{Local, Nodes, same_scale, similarity};
-use super::rig::{Rig, name};
+use super::motion_bones::MotionBones;
+use super::nodes::{Local, Nodes};
+use super::rig::name;
 use super::sampler::{Property, Track};
 use crate::motion::{MotionClip, MotionFrame};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -24,12 +27,18 @@ const LEAST_RATE: f64 = 60.0;
 /// the rounding of its file, and in m.
 const STILL: [f64; 2] = [2e-7, 3e-7];
 
-/// The motions of a file; animations that move no bone are left out.
-pub(super) fn motions(file: &File, nodes: &Nodes, rig: &Rig) -> Result<Vec<MotionClip>> {
+/// A scale's keys this near to its value at rest, relative to that, are rounding and not worth a word.
+const ROUNDING: f64 = 1e-4;
+
+/// Bones whose scales a note tells one by one.
+const MOST_NAMED: usize = 8;
+
+/// The motions of a file; animations that have keys for no bone are left out.
+pub(super) fn motions(file: &File, nodes: &Nodes, bones: &MotionBones) -> Result<Vec<MotionClip>> {
     let mut clips = Vec::new();
     for (i, animation) in file.document.animations.iter().enumerate() {
         let field = format!("animations[{i}]");
-        clips.extend(Player::new(file, nodes, rig, animation, field)?.clip()?);
+        clips.extend(Player::new(file, nodes, bones, animation, field)?.clip()?);
     }
     Ok(clips)
 }
@@ -37,27 +46,25 @@ pub(super) fn motions(file: &File, nodes: &Nodes, rig: &Rig) -> Result<Vec<Motio
 struct Player<'a> {
     file: &'a File,
     nodes: &'a Nodes,
-    rig: &'a Rig,
+    bones: &'a MotionBones,
     field: String,
     name: String,
     tracks: Vec<Track>,
     /// Bones and what is above them, parents first.
     needed: Vec<usize>,
-    /// Q and scale of each bone's node at rest: R(t) = Q(t) Qᵀ R_rest.
-    rest: Vec<(DMat3, f64)>,
 }
 
 impl<'a> Player<'a> {
     fn new(
         file: &'a File,
         nodes: &'a Nodes,
-        rig: &'a Rig,
+        bones: &'a MotionBones,
         animation: &Animation,
         field: String,
     ) -> Result<Self> {
         let mut is_needed = vec![false; nodes.parents.len()];
+        bones.nodes.iter().for_each(|&n| is_needed[n] = true);
         for &n in nodes.order.iter().rev() {
-            is_needed[n] |= rig.bone_of_node[n].is_some();
             if let Some(p) = nodes.parents[n] {
                 is_needed[p] |= is_needed[n];
             }
@@ -68,16 +75,10 @@ impl<'a> Player<'a> {
             let track = Track::read(file, &field, channel, &animation.samplers)?;
             tracks.extend(track.filter(|t| is_needed[t.node]));
         }
-        let rest = rig.nodes.iter().map(|&n| {
-            let found = similarity(nodes.rest_world[n].matrix3);
-            found
-                .map(|s| (s.rotation, s.scale))
-                .map_err(|e| file.broken(format!("nodes[{n}]"), e))
-        });
         Ok(Self {
             file,
             nodes,
-            rig,
+            bones,
             name: animation.name.clone().unwrap_or_else(|| field.clone()),
             field,
             tracks,
@@ -87,7 +88,6 @@ impl<'a> Player<'a> {
                 .copied()
                 .filter(|&n| is_needed[n])
                 .collect(),
-            rest: rest.collect::<Result<_>>()?,
         })
     }
 
@@ -115,56 +115,70 @@ impl<'a> Player<'a> {
         }
         let poses: Vec<Vec<Frame>> = (0..=last as usize)
             .map(|k| self.pose(start + k as f64 / rate))
-            .collect::<Result<_>>()?;
+            .collect();
         let clip = self.away_from_rest(&poses, 1.0 / rate);
         clip.validate()?;
         Ok(Some(clip))
     }
 
-    /// R and c of every bone at `time`.
-    fn pose(&self, time: f64) -> Result<Vec<Frame>> {
-        let mut local: BTreeMap<usize, Local> = BTreeMap::new();
+    /// R and c of every bone at `time`: with Q the rotation of its node, R(t) = Q(t) Qᵀ R_rest.
+    fn pose(&self, time: f64) -> Vec<Frame> {
+        let nodes = self.nodes;
+        let mut moved: BTreeMap<usize, Local> = BTreeMap::new();
         for track in &self.tracks {
-            let local = local
-                .entry(track.node)
-                .or_insert(self.nodes.rest[track.node]);
+            let local = moved.entry(track.node).or_insert(nodes.rest[track.node]);
             let value = track.sample(time);
             match track.property {
                 Property::Translation => local.translation = value.truncate(),
                 Property::Rotation => local.rotation = DQuat::from_vec4(value),
-                Property::Scale => local.scale = value.truncate(),
+                Property::Scale => {}
             }
         }
-        let mut world: Vec<DAffine3> = vec![DAffine3::IDENTITY; self.nodes.parents.len()];
+        let mut world: Vec<DAffine3> = vec![DAffine3::IDENTITY; nodes.parents.len()];
+        let mut rotations: Vec<DMat3> = vec![DMat3::IDENTITY; nodes.parents.len()];
         for &n in &self.needed {
-            let own = local.get(&n).unwrap_or(&self.nodes.rest[n]).affine();
-            world[n] = self.nodes.parents[n].map_or(own, |p| world[p] * own);
+            let local = moved.get(&n).unwrap_or(&nodes.rest[n]);
+            world[n] = nodes.parents[n].map_or(local.affine(), |p| world[p] * local.affine());
+            rotations[n] = nodes.turned(n, local, &world, &rotations);
         }
-        let frame = |(j, &n): (usize, &usize)| {
-            let broken = |problem: &str| {
-                let bone = name(self.file, n);
-                let problem = format!("{}: at {time:.3} s bone {bone} {problem}", self.name);
-                self.file.broken(&self.field, problem)
-            };
-            let now = similarity(world[n].matrix3).map_err(broken)?;
-            let (rotation, scale) = self.rest[j];
-            if !same_scale(now.scale, scale) {
-                return Err(broken(
-                    "changes its scale: bones are rigid, remove the scale's keys",
-                ));
-            }
-            let rotation = now.rotation * rotation.transpose() * self.rig.rest[j].rotation;
-            Ok(Frame {
-                rotation,
-                position: world[n].translation,
-            })
+        let frame = |(&n, rest): (&usize, &Frame)| Frame {
+            rotation: rotations[n] * nodes.rest_rotation[n].transpose() * rest.rotation,
+            position: world[n].translation,
         };
-        self.rig.nodes.iter().enumerate().map(frame).collect()
+        self.bones
+            .nodes
+            .iter()
+            .zip(&self.bones.rest)
+            .map(frame)
+            .collect()
+    }
+
+    /// The keys of scales that are left out, with their bones and ranges.
+    fn notes(&self) -> Vec<String> {
+        let mut bones: Vec<String> = Vec::new();
+        for track in self.tracks.iter().filter(|t| t.property == Property::Scale) {
+            let rest = self.nodes.rest[track.node].scale;
+            if track.farthest_from(rest) > ROUNDING * rest.abs().max_element() {
+                let (least, greatest) = track.range();
+                let name = name(self.file, track.node);
+                bones.push(format!("{name} ({least:.3} to {greatest:.3})"));
+            }
+        }
+        let others = bones.len().saturating_sub(MOST_NAMED);
+        bones.truncate(MOST_NAMED);
+        if others > 0 {
+            bones.push(format!("and {others} others"));
+        }
+        let note = format!(
+            "clip {}: keys of scales are left out, since bones are rigid: {}",
+            self.name,
+            bones.join(", ")
+        );
+        (!bones.is_empty()).then_some(note).into_iter().collect()
     }
 
     fn away_from_rest(&self, poses: &[Vec<Frame>], frame_time: f64) -> MotionClip {
-        let skeleton = &self.rig.skeleton;
-        let (joints, parents) = (&skeleton.joints, &skeleton.parents);
+        let (joints, parents) = (&self.bones.joints, &self.bones.parents);
         // t = R_pᵀ (c − c_p) − (J − J_p), of roots c − J.
         let shift = |pose: &[Frame], j: usize| match parents[j].map(|p| p as usize) {
             None => pose[j].position - joints[j],
@@ -187,7 +201,7 @@ impl<'a> Player<'a> {
         };
         MotionClip {
             name: self.name.clone(),
-            bones: skeleton.names.clone(),
+            bones: self.bones.names.clone(),
             parents: parents.clone(),
             rest_joints: Some(joints.clone()),
             rest_up: UpAxis::Y,
@@ -195,6 +209,7 @@ impl<'a> Player<'a> {
             frame_time,
             frames: poses.iter().map(frame).collect(),
             translated: translated.into_iter().map(|j| j as u32).collect(),
+            notes: self.notes(),
         }
     }
 }

@@ -3,7 +3,9 @@
 use super::animation::motions;
 use super::character::{Character, Shape, Whole};
 use super::container::File;
+use super::motion_bones::MotionBones;
 use super::nodes::{FARTHEST, Nodes};
+use super::polar::stretch;
 use super::primitive::{Part, read_parts};
 use super::reference_part::ReferencePart;
 use super::rig::Rig;
@@ -16,34 +18,32 @@ use supple::Result;
 use supple::model::{JointList, PoseBlend, RenderMesh, SkinWeight, Surface, UpAxis};
 use supple_bake::{Body, LayerMesh};
 
-/// What a file's scene shows, and the bones that move it.
+/// What a file's scene shows.
 pub(super) struct Scene<'a> {
     file: &'a File,
     nodes: Nodes,
     parts: Vec<Part>,
     /// Primitives without triangles.
     skipped: usize,
-    rig: Rig,
 }
 
 impl<'a> Scene<'a> {
     pub fn new(file: &'a File) -> Result<Self> {
         let nodes = Nodes::read(file)?;
         let (parts, skipped) = read_parts(file, &nodes)?;
-        let rig = Rig::new(file, &nodes, &parts)?;
         Ok(Self {
             file,
             nodes,
             parts,
             skipped,
-            rig,
         })
     }
 
     pub fn character(&self) -> Result<Character> {
+        let rig = Rig::new(self.file, &self.nodes, &self.parts)?;
         let mut soup = Soup::default();
         for part in &self.parts {
-            match self.rig.place(&self.nodes, part) {
+            match rig.place(&self.nodes, part) {
                 Some(placed) => soup.add(part, placed),
                 None => soup.boneless.push(part.name.clone()),
             }
@@ -54,17 +54,23 @@ impl<'a> Scene<'a> {
                 "the scene shows no triangles that bones move".into(),
             ));
         }
-        let mut notes = soup.notes(&self.parts, self.skipped);
+        let mut notes = soup.notes(&rig, self.skipped);
+        notes.extend(stretches(&self.nodes, &rig));
         let stem = self.file.path.file_stem().unwrap_or_default();
-        let joints = self.rig.joints(self.file, &self.nodes, &self.parts)?;
-        let mut whole = soup.weld(&stem.to_string_lossy(), &self.rig, joints);
+        let joints = rig.joints(self.file, &self.nodes, &self.parts)?;
+        let mut whole = soup.weld(&stem.to_string_lossy(), &rig, joints);
+        if whole.body.skin.triangles.is_empty() {
+            return Err(broken(
+                "all triangles are flat where the file shows them at rest".into(),
+            ));
+        }
         let positions = &whole.body.skin.positions;
         // Comparisons with NaN are false.
         let near = |p: &DVec3| p.length_squared() < FARTHEST * FARTHEST;
         if let Some(v) = positions.iter().position(|p| !near(p)) {
             return Err(broken(format!("skin vertex {v} is out of all bounds")));
         }
-        let vrm = Vrm::read(self.file, &self.nodes, &self.rig);
+        let vrm = Vrm::read(self.file, &self.nodes, &rig);
         if vrm.ignored > 0 {
             let text = "entries of the VRM extensions name no bone and were left out";
             notes.push(format!("{} {text}", vrm.ignored));
@@ -72,7 +78,7 @@ impl<'a> Scene<'a> {
         whole.body.skeleton.aliases = vrm.humanoid;
         Ok(Character {
             whole,
-            rest: self.rig.rest.clone(),
+            rest: rig.rest,
             colliders: vrm.colliders,
             faces: if vrm.is_0 { DVec3::NEG_Z } else { DVec3::Z },
             notes,
@@ -80,8 +86,44 @@ impl<'a> Scene<'a> {
     }
 
     pub fn motions(&self) -> Result<Vec<MotionClip>> {
-        motions(self.file, &self.nodes, &self.rig)
+        let rig = match self.parts.is_empty() {
+            true => None,
+            false => Some(Rig::new(self.file, &self.nodes, &self.parts)?),
+        };
+        let bones = MotionBones::new(self.file, &self.nodes, rig.as_ref())?;
+        motions(self.file, &self.nodes, &bones)
     }
+}
+
+/// Bones that are not as large at rest, or not alike along their axes.
+fn stretches(nodes: &Nodes, rig: &Rig) -> Vec<String> {
+    /// Relative to the bone's scale.
+    const TOLERANCE: f64 = 1e-3;
+    let (mut stretched, mut flat, mut most) = (0, 0, 0.0);
+    for &n in &rig.nodes {
+        match stretch(nodes.rest_world[n].matrix3) {
+            Some(by) if by > TOLERANCE => {
+                stretched += 1;
+                most = f64::max(most, by);
+            }
+            Some(_) => {}
+            None => flat += 1,
+        }
+    }
+    let mut notes = Vec::new();
+    if stretched > 0 {
+        let most = 100.0 * most;
+        notes.push(format!(
+            "{stretched} bones are stretched along an axis at rest, by {most:.1} % at most: the skin has that in its shape, \
+             bones are rigid"
+        ));
+    }
+    if flat > 0 {
+        notes.push(format!(
+            "{flat} bones are scaled to nothing at rest, and what hangs on them with them"
+        ));
+    }
+    notes
 }
 
 /// All parts' vertices in one list, not yet welded.
@@ -99,6 +141,7 @@ struct Soup {
     /// Parts that no bone moves.
     boneless: Vec<String>,
     cancelled: usize,
+    unweighted: usize,
 }
 
 impl Soup {
@@ -116,6 +159,7 @@ impl Soup {
         self.skinning.extend(placed.skinning);
         self.moves.resize(self.positions.len(), Vec::new());
         self.cancelled += placed.cancelled;
+        self.unweighted += part.unweighted;
         let mut seen = BTreeSet::new();
         for morph in &part.morphs {
             // Two targets of one mesh that share a name stay two.
@@ -150,8 +194,7 @@ impl Soup {
         });
     }
 
-    fn notes(&self, parts: &[Part], skipped: usize) -> Vec<String> {
-        let unweighted: usize = parts.iter().map(|p| p.unweighted).sum();
+    fn notes(&self, rig: &Rig, skipped: usize) -> Vec<String> {
         let mut notes = Vec::new();
         let mut note = |count: usize, text: &str| {
             if count > 0 {
@@ -160,13 +203,17 @@ impl Soup {
         };
         note(skipped, "primitives without triangles were left out");
         note(
-            unweighted,
+            self.unweighted,
             "vertices without weights move with their skin's first joint",
         );
         let text = "vertices lie where the bind pose has them: at rest their bones turn against each other";
         note(self.cancelled, text);
-        if parts.iter().all(|p| p.skin.is_none()) {
-            notes.push("the file has no skin: all of it is one rigid bone".into());
+        match rig.nodes.len() {
+            _ if !rig.largest_first.is_empty() => {}
+            1 => notes.push("the file has no skin: all of it is one rigid bone".into()),
+            n => notes.push(format!(
+                "the file has no skin: its {n} nodes that show or move something are bones, and what each shows is rigid"
+            )),
         }
         if !self.boneless.is_empty() {
             let names = self.boneless.join(", ");

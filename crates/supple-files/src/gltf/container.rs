@@ -17,22 +17,18 @@ const MOST_NUMBERS: u64 = 1 << 26;
 /// any amount.
 const MOST_NUMBERS_PER_BYTE: u64 = 1 << 10;
 
-/// Extensions that a file may require: they change nothing that is read, or are read.
-const READABLE: [&str; 14] = [
+/// Extensions that a file may require: they are read, or change nothing of what is (materials, textures, lights, metadata).
+/// A trailing `*` stands for any ending. What changes geometry and is not read is none of them.
+const READABLE: [&str; 9] = [
     "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "KHR_texture_basisu",
-    "KHR_materials_unlit",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
+    "KHR_node_visibility",
+    "KHR_materials_*",
+    "KHR_texture_*",
+    "EXT_texture_*",
     "KHR_lights_punctual",
-    "EXT_texture_webp",
+    "KHR_xmp*",
     "VRM",
-    "VRMC_vrm",
-    "VRMC_springBone",
-    "VRMC_materials_mtoon",
-    "VRMC_node_constraint",
+    "VRMC_*",
 ];
 
 /// A file in memory.
@@ -137,17 +133,24 @@ fn check_versions(document: &Document) -> Result<(), (&'static str, String)> {
         return Err(("asset.version", problem));
     }
     let required = &document.extensions_required;
-    match required.iter().find(|e| !READABLE.contains(&e.as_str())) {
+    match required.iter().find(|e| !is_readable(e)) {
         None => Ok(()),
         Some(extension) => {
             let cure = match extension.contains("compression") {
                 true => "export the file without compression",
                 false => "export the file without it",
             };
-            let problem = format!("{extension} is not read: {cure}");
+            let problem = format!("{extension} may change the geometry and is not read: {cure}");
             Err(("extensionsRequired", problem))
         }
     }
+}
+
+fn is_readable(extension: &str) -> bool {
+    READABLE.iter().any(|known| match known.strip_suffix('*') {
+        Some(start) => extension.starts_with(start),
+        None => extension == *known,
+    })
 }
 
 /// The bytes behind a URI.

@@ -49,6 +49,8 @@ pub(super) struct Extensions {
     pub vrm_0: Option<Value>,
     #[serde(rename = "VRMC_vrm")]
     pub vrm_1: Option<Value>,
+    #[serde(rename = "VRMC_vrm_animation")]
+    pub vrm_animation: Option<Value>,
     #[serde(rename = "VRMC_springBone")]
     pub spring_bones: Option<Value>,
 }
@@ -75,6 +77,26 @@ pub(super) struct Node {
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
     pub weights: Option<Vec<f64>>,
+    #[serde(default)]
+    pub extensions: NodeExtensions,
+}
+
+/// The extensions of a node that are read.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Option<Visibility>,
+}
+
+/// Whether a node and what is below it are drawn.
+#[derive(Debug, Deserialize)]
+pub(super) struct Visibility {
+    #[serde(default = "visible")]
+    pub visible: bool,
+}
+
+fn visible() -> bool {
+    true
 }
 
 /// Primitives drawn together.

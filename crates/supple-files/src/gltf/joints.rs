@@ -11,7 +11,8 @@ use supple::model::{Joint, JointBone, JointList, SkinJoints};
 
 impl Rig {
     /// The joints of the skin of most vertices in its own order, then those of the others, then the nodes that parts without
-    /// a skin hang on: F = (R, c)⁻¹ · world, both at rest. A skin that the scene does not show has none.
+    /// a skin hang on, then bones that are none of these: F = (R, c)⁻¹ · world, both at rest. A skin that the scene does not
+    /// show has none.
     pub fn joints(&self, file: &File, nodes: &Nodes, parts: &[Part]) -> Result<JointList> {
         let document = &file.document;
         let of_skins = (self.largest_first.iter()).flat_map(|&s| &document.skins[s].joints);
@@ -19,7 +20,7 @@ impl Rig {
         let mut taken: BTreeSet<String> = self.skeleton.names.iter().cloned().collect();
         let mut place: BTreeMap<usize, u32> = BTreeMap::new();
         let mut joints: Vec<Joint> = Vec::new();
-        for &node in of_skins.chain(hanging) {
+        for &node in of_skins.chain(hanging).chain(&self.nodes) {
             let Some(bone) = self.bone_above(nodes, node) else {
                 continue;
             };
@@ -42,7 +43,7 @@ impl Rig {
                     true => JointBone::Is(bone),
                     false => JointBone::RidesOn(bone),
                 },
-                bind: frame.inverse() * nodes.rest_world[node],
+                bind: frame.inverse() * nodes.rest_with_inverse(node),
             });
         }
         let skin = |s: usize| match self.skins.get(&s) {

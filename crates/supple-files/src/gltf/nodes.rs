@@ -2,11 +2,9 @@
 
 use super::container::File;
 use super::document::Node;
+use super::polar::polar_factor;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use supple::Result;
-
-/// A node's scale may differ between axes, or change over time, by this much relative to itself.
-const SCALE_TOLERANCE: f64 = 1e-3;
 
 /// Farther than this from the origin, m, nothing of a character is: numbers could overflow.
 pub(super) const FARTHEST: f64 = 1e9;
@@ -27,6 +25,16 @@ impl Local {
             DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
         })
     }
+
+    /// Its rotation, with its mirrors and without its scale.
+    fn orthogonal(&self) -> DMat3 {
+        let sign = |s: f64| if s < 0.0 { -1.0 } else { 1.0 };
+        let mirrors = DVec3::from_array(self.scale.to_array().map(sign));
+        match self.matrix {
+            Some(matrix) => polar_factor(matrix.matrix3).unwrap_or(DMat3::IDENTITY),
+            None => DMat3::from_quat(self.rotation) * DMat3::from_diagonal(mirrors),
+        }
+    }
 }
 
 /// The hierarchy of a file.
@@ -39,6 +47,8 @@ pub(super) struct Nodes {
     pub rest: Vec<Local>,
     /// Placement in the world at rest.
     pub rest_world: Vec<DAffine3>,
+    /// Rotation in the world at rest ([`Nodes::turned`]).
+    pub rest_rotation: Vec<DMat3>,
     /// Whether the scene shows it.
     pub shown: Vec<bool>,
 }
@@ -80,6 +90,7 @@ impl Nodes {
             parents,
             order,
             rest_world: Vec::new(),
+            rest_rotation: vec![DMat3::IDENTITY; nodes.len()],
             shown: vec![true; nodes.len()],
             rest,
         };
@@ -91,13 +102,30 @@ impl Nodes {
                 "its place in the world is out of all bounds",
             ));
         }
+        for &n in &out.order {
+            out.rest_rotation[n] = out.turned(n, &out.rest[n], &out.rest_world, &out.rest_rotation);
+        }
         out.show(file)?;
         Ok(out)
     }
 
-    /// Marks what is below the roots of the file's scene. Where the file names no scene, its first
-    /// is meant; where it has none, everything is shown.
+    /// Marks what is below the roots of the file's scene and not hidden there (KHR_node_visibility). Where the file names no
+    /// scene, its first is meant; where it has none, everything is in it.
     fn show(&mut self, file: &File) -> Result<()> {
+        self.show_scene(file)?;
+        let hidden = |n: usize| {
+            let visibility = &file.document.nodes[n].extensions.visibility;
+            visibility.as_ref().is_some_and(|v| !v.visible)
+        };
+        let mut hides = vec![false; self.shown.len()];
+        for &n in &self.order {
+            hides[n] = hidden(n) || self.parents[n].is_some_and(|p| hides[p]);
+            self.shown[n] &= !hides[n];
+        }
+        Ok(())
+    }
+
+    fn show_scene(&mut self, file: &File) -> Result<()> {
         let document = &file.document;
         let index = document.scene.unwrap_or(0);
         let Some(scene) = document.scenes.get(index) else {
@@ -130,6 +158,33 @@ impl Nodes {
         world
     }
 
+    /// Rotation of node `n` in the world: the polar factor of its matrix, or, where that is scaled to nothing, its parent's
+    /// rotation times its own. The `world` and `rotations` above it are known.
+    pub fn turned(
+        &self,
+        n: usize,
+        local: &Local,
+        world: &[DAffine3],
+        rotations: &[DMat3],
+    ) -> DMat3 {
+        polar_factor(world[n].matrix3).unwrap_or_else(|| {
+            let above = self.parents[n].map_or(DMat3::IDENTITY, |p| rotations[p]);
+            above * local.orthogonal()
+        })
+    }
+
+    /// Placement of node `n` in the world at rest; of one that is scaled to nothing, without its scale.
+    pub fn rest_with_inverse(&self, n: usize) -> DAffine3 {
+        let world = self.rest_world[n];
+        match polar_factor(world.matrix3) {
+            Some(_) => world,
+            None => DAffine3 {
+                matrix3: self.rest_rotation[n],
+                ..world
+            },
+        }
+    }
+
     /// The nodes above `n`, itself first.
     pub fn upward(&self, n: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(n), |&n| self.parents[n])
@@ -157,37 +212,4 @@ fn local(node: &Node) -> Result<Local, String> {
         true => Ok(local),
         false => Err("holds a value that is not finite".into()),
     }
-}
-
-/// A uniform scale and a rotation, or a rotation with a mirror.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Similarity {
-    pub scale: f64,
-    /// Orthogonal; its determinant is −1 where there is a mirror.
-    pub rotation: DMat3,
-}
-
-/// The s > 0 and the orthogonal Q of a matrix s Q; of others, what is wrong with them.
-pub(super) fn similarity(m: DMat3) -> Result<Similarity, &'static str> {
-    let scale = m.determinant().abs().cbrt();
-    if !(scale > 1e-9 && scale.is_finite()) {
-        return Err("is scaled to nothing");
-    }
-    // With s³ = |det M|, M = s Q exactly if MᵀM = s² I.
-    let mut rotation = m * (1.0 / scale);
-    let metric = rotation.transpose() * rotation - DMat3::IDENTITY;
-    if !(metric.to_cols_array().iter()).all(|e| e.abs() <= 2.0 * SCALE_TOLERANCE) {
-        return Err("is sheared or scaled differently along its axes");
-    }
-    // Newton's iteration for the polar factor, Q ← Q (3 I − QᵀQ)/2, squares what is left each time.
-    for _ in 0..4 {
-        let metric = rotation.transpose() * rotation;
-        rotation *= (DMat3::IDENTITY * 3.0 - metric) * 0.5;
-    }
-    Ok(Similarity { scale, rotation })
-}
-
-/// Whether a scale that was `rest` is still that.
-pub(super) fn same_scale(scale: f64, rest: f64) -> bool {
-    (scale - rest).abs() <= SCALE_TOLERANCE * rest
 }

@@ -202,7 +202,12 @@ impl Reader<'_> {
         used: &Used,
     ) -> Result<(Rows<(u32, f64)>, usize)> {
         let joints = match self.file.document.skins.get(skin) {
-            Some(skin) => skin.joints.len(),
+            Some(found) if found.joints.is_empty() => {
+                return Err(
+                    self.broken(format!("skin {skin} has no joints: bind the mesh to bones"))
+                );
+            }
+            Some(found) => found.joints.len(),
             None => return Err(self.broken(format!("skin {skin} is not there"))),
         };
         let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); used.vertices.len()];

@@ -2,7 +2,7 @@
 
 use super::container::File;
 use super::document::{Channel, Sampler};
-use glam::DVec4;
+use glam::{DVec3, DVec4};
 use supple::Result;
 
 /// What an animation moves of a node.
@@ -105,6 +105,22 @@ impl Track {
             Interpolation::CubicSpline => self.values[3 * k + 1],
             _ => self.values[k],
         }
+    }
+
+    /// The least and the greatest number of any key.
+    pub fn range(&self) -> (f64, f64) {
+        let keys = (0..self.times.len()).map(|k| self.key(k).truncate());
+        keys.fold(
+            (f64::INFINITY, f64::NEG_INFINITY),
+            |(least, greatest), v| (least.min(v.min_element()), greatest.max(v.max_element())),
+        )
+    }
+
+    /// How far a number of any key is from that of `value`, at most.
+    pub fn farthest_from(&self, value: DVec3) -> f64 {
+        let keys = (0..self.times.len()).map(|k| self.key(k).truncate());
+        keys.map(|v| (v - value).abs().max_element())
+            .fold(0.0, f64::max)
     }
 
     /// Value at `time`, s; quaternions have unit length. It stands still before the first key and after

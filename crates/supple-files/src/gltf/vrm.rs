@@ -1,10 +1,11 @@
-//! VRM 0.x and 1.0: humanoid bones, and the colliders of spring bones.
+//! VRM 0.x and 1.0: humanoid bones of avatars and animations, and the colliders of spring bones.
 //!
 //! Both versions rest in a T-pose. A character of version 0.x looks along −z, one of 1.0 along +z as
 //! glTF has it.
 
 use super::container::File;
-use super::nodes::{Nodes, similarity};
+use super::nodes::Nodes;
+use super::polar::scale;
 use super::rig::Rig;
 use glam::DVec3;
 use serde_json::Value;
@@ -51,26 +52,14 @@ impl Vrm {
         let mut out = Self::default();
         let extensions = &file.document.extensions;
         let mut found: Vec<Option<Found>> = Vec::new();
-        let mut names: Vec<(String, Option<usize>)> = Vec::new();
-        if let Some(vrm) = &extensions.vrm_1 {
-            // {"hips": {"node": 3}, …}
-            let bones = vrm["humanoid"]["humanBones"].as_object();
-            names = (bones.into_iter().flatten())
-                .map(|(name, bone)| (name.clone(), index(&bone["node"])))
-                .collect();
-        } else if let Some(vrm) = &extensions.vrm_0 {
+        if let (None, Some(vrm)) = (&extensions.vrm_1, &extensions.vrm_0) {
             out.is_0 = true;
-            // [{"bone": "hips", "node": 3}, …]
-            let bones = list(&vrm["humanoid"]["humanBones"]).iter();
-            names = bones
-                .filter_map(|b| Some((b["bone"].as_str()?.to_string(), index(&b["node"]))))
-                .collect();
             found = colliders_0(vrm);
         }
         if let Some(springs) = &extensions.spring_bones {
             found.extend(colliders_1(springs));
         }
-        for (name, node) in names {
+        for (name, node) in humanoid(file) {
             let bone = node.and_then(|n| rig.bone_of_node.get(n).copied().flatten());
             match bone.filter(|_| out.humanoid.iter().all(|(taken, _)| *taken != name)) {
                 Some(bone) => out.humanoid.push((name, bone)),
@@ -87,11 +76,39 @@ impl Vrm {
     }
 }
 
+/// Names of an avatar's humanoid bones, and their nodes as the file has them.
+pub(super) fn humanoid(file: &File) -> Vec<(String, Option<usize>)> {
+    let extensions = &file.document.extensions;
+    match (&extensions.vrm_1, &extensions.vrm_0) {
+        (Some(vrm), _) => humanoid_1(vrm),
+        (None, Some(vrm)) => {
+            // [{"bone": "hips", "node": 3}, …]
+            let bones = list(&vrm["humanoid"]["humanBones"]).iter();
+            let named = |b: &Value| Some((b["bone"].as_str()?.to_string(), index(&b["node"])));
+            bones.filter_map(named).collect()
+        }
+        (None, None) => Vec::new(),
+    }
+}
+
+/// The same of a VRM animation (`.vrma`), which has nothing but those to move a body.
+pub(super) fn animated_humanoid(file: &File) -> Vec<(String, Option<usize>)> {
+    let extension = file.document.extensions.vrm_animation.as_ref();
+    extension.map_or_else(Vec::new, humanoid_1)
+}
+
+/// `{"hips": {"node": 3}, …}`, of version 1.0 and of animations.
+fn humanoid_1(extension: &Value) -> Vec<(String, Option<usize>)> {
+    let bones = extension["humanoid"]["humanBones"].as_object();
+    (bones.into_iter().flatten())
+        .map(|(name, bone)| (name.clone(), index(&bone["node"])))
+        .collect()
+}
+
 impl Found {
     fn on_bone(self, nodes: &Nodes, rig: &Rig) -> Option<BoneCollider> {
         let world = nodes.rest_world.get(self.node)?;
         let bone = rig.bone_above(nodes, self.node)?;
-        let scale = similarity(world.matrix3).ok()?.scale;
         let frame = &rig.rest[bone as usize];
         let place = |p: DVec3| frame.inverse_transform(world.transform_point3(p));
         let collider = BoneCollider {
@@ -99,7 +116,7 @@ impl Found {
             bone,
             offset: place(self.offset),
             tail: self.tail.map(place),
-            radius: scale * self.radius,
+            radius: scale(world.matrix3) * self.radius,
         };
         let finite = collider.offset.is_finite()
             && collider.tail.is_none_or(|t| t.is_finite())

@@ -39,6 +39,8 @@ pub struct MotionClip {
     pub translated: Vec<u32>,
     /// At least one.
     pub frames: Vec<MotionFrame>,
+    /// What was decided about the file and a person may want to know, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl MotionClip {

@@ -151,11 +151,10 @@ pub fn read_motion(motion: &TrackedMotion) -> Result<Option<MotionClip>> {
             },
         )?,
         Some("npz") => read_amass(path)?,
-        Some("glb" | "gltf" | "vrm") => named_clip(read_gltf_motions(path)?, motion)?,
+        Some("glb" | "gltf" | "vrm" | "vrma") => named_clip(read_gltf_motions(path)?, motion)?,
         Some("jsonl" | "ndjson" | "js" | "json") => return Ok(None),
         _ => {
-            let problem =
-                "is of no known kind: .bvh, .npz, .glb, .gltf, .vrm, .jsonl, .js and .json are";
+            let problem = "is of no known kind: .bvh, .npz, .glb, .gltf, .vrm, .vrma, .jsonl, .js and .json are";
             return Err(Error::format(path, "motion.file", problem));
         }
     };

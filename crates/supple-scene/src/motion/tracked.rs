@@ -14,8 +14,8 @@ use supple_files::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackedMotion {
-    /// `.bvh`, `.npz` (AMASS), `.glb`, `.gltf` or `.vrm`, `.jsonl`, `.js` or `.json` (one pose); `-` is a
-    /// stream of JSON lines on standard input.
+    /// `.bvh`, `.npz` (AMASS), `.glb`, `.gltf`, `.vrm` or `.vrma`, `.jsonl`, `.js` or `.json` (one pose); `-` is
+    /// a stream of JSON lines on standard input.
     pub file: PathBuf,
     /// Which of a glTF file's animations; the first if not given.
     pub clip: Option<String>,

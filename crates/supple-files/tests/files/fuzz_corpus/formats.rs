@@ -82,7 +82,7 @@ pub fn gltf() -> Format {
 }
 
 pub fn gltf_motions() -> Format {
-    plain("gltf_motions", seeds::gltf(), |bytes| {
+    plain("gltf_motions", seeds::gltf_motions(), |bytes| {
         parse_gltf_motions(bytes, path()).is_ok()
     })
 }

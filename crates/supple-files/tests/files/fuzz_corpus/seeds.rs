@@ -178,9 +178,37 @@ pub fn amass_poses() -> Vec<u8> {
     npy("<f4", "3, 48", &f32s(&[0.1; 144]))
 }
 
-/// A skinned tet with two bones, a morph target, an animation and a VRM humanoid: as a GLB, and as JSON with
-/// its buffer in it.
+/// A skinned tet with two bones, a morph target, an animation and a VRM humanoid: as a GLB, as JSON with its buffer in it,
+/// and as JSON without the skin.
 pub fn gltf() -> Vec<Vec<u8>> {
+    let (json, buffer) = gltf_document();
+    let plain = json(&embedded(&buffer));
+    let rigid = plain.replace("\"nodes\":[0,1]", "\"nodes\":[0]").replace(
+        "\"mesh\":0,\"skin\":0",
+        "\"mesh\":0,\"children\":[1],\"scale\":[1,1.1,1],\"extensions\":{\"KHR_node_visibility\":{\"visible\":true}}",
+    );
+    vec![
+        glb(json("").into_bytes(), buffer),
+        plain.into_bytes(),
+        rigid.into_bytes(),
+    ]
+}
+
+/// The same files, and a VRM animation.
+pub fn gltf_motions() -> Vec<Vec<u8>> {
+    let (json, buffer) = gltf_document();
+    let motion = json(&embedded(&buffer)).replace("{\"mesh\":0,\"skin\":0}", "{}");
+    let motion = motion.replace("VRMC_vrm", "VRMC_vrm_animation");
+    [gltf(), vec![motion.into_bytes()]].concat()
+}
+
+fn embedded(buffer: &[u8]) -> String {
+    let coded = base64(buffer);
+    format!(",\"uri\":\"data:application/octet-stream;base64,{coded}\"")
+}
+
+/// The document, given what says where its buffer is, and the buffer.
+fn gltf_document() -> (impl Fn(&str) -> String, Vec<u8>) {
     let mut buffer = Vec::new();
     let mut views = Vec::new();
     let mut accessors = Vec::new();
@@ -236,27 +264,20 @@ pub fn gltf() -> Vec<Vec<u8>> {
     );
     add(f32s(&[0., 0., 0., 1., 0., 0., 1., 0.]), 5126, 2, "VEC4", "");
     add(f32s(&[0.1; 12]), 5126, 4, "VEC3", "");
-    let json = |uri: &str| {
+    add(f32s(&[1., 1., 1., 0., 1.2, 1.]), 5126, 2, "VEC3", "");
+    let (views, accessors, length) = (views.join(","), accessors.join(","), buffer.len());
+    let json = move |uri: &str| {
         format!(
             "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0,1]}}],\"nodes\":[{{\"mesh\":0,\"skin\":0}},{{\"name\":\"root\",\
              \"children\":[2]}},{{\"name\":\"tip\",\"translation\":[0,0.5,0]}}],\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0,\"JOINTS_0\":1,\
              \"WEIGHTS_0\":2}},\"indices\":3,\"targets\":[{{\"POSITION\":7}}]}}],\"weights\":[0.5]}}],\"skins\":[{{\"joints\":[1,2],\"inverseBindMatrices\":4}}],\
-             \"animations\":[{{\"channels\":[{{\"sampler\":0,\"target\":{{\"node\":2,\"path\":\"rotation\"}}}}],\"samplers\":[{{\"input\":5,\"output\":6}}]}}],\
+             \"animations\":[{{\"channels\":[{{\"sampler\":0,\"target\":{{\"node\":2,\"path\":\"rotation\"}}}},\
+             {{\"sampler\":1,\"target\":{{\"node\":2,\"path\":\"scale\"}}}}],\"samplers\":[{{\"input\":5,\"output\":6}},{{\"input\":5,\"output\":8}}]}}],\
              \"extensionsUsed\":[\"VRMC_vrm\"],\"extensions\":{{\"VRMC_vrm\":{{\"specVersion\":\"1.0\",\"humanoid\":{{\"humanBones\":{{\"hips\":{{\"node\":1}},\
-             \"spine\":{{\"node\":2}}}}}}}}}},\"buffers\":[{{\"byteLength\":{}{uri}}}],\"bufferViews\":[{}],\"accessors\":[{}]}}",
-            buffer.len(),
-            views.join(","),
-            accessors.join(",")
+             \"spine\":{{\"node\":2}}}}}}}}}},\"buffers\":[{{\"byteLength\":{length}{uri}}}],\"bufferViews\":[{views}],\"accessors\":[{accessors}]}}"
         )
     };
-    let inside = format!(
-        ",\"uri\":\"data:application/octet-stream;base64,{}\"",
-        base64(&buffer)
-    );
-    vec![
-        glb(json("").into_bytes(), buffer.clone()),
-        json(&inside).into_bytes(),
-    ]
+    (json, buffer)
 }
 
 fn glb(mut json: Vec<u8>, mut binary: Vec<u8>) -> Vec<u8> {

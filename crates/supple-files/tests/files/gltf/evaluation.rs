@@ -1,9 +1,10 @@
 //! glTF's skinning, Σ w · world_j · inverseBind_j · v, by the `gltf` crate: shares no code with the loader.
 
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::animation::util::ReadOutputs;
 use supple::model::Frame;
 use supple_bake::Body;
+use supple_files::{MotionClip, MotionFrame};
 
 /// A file's document and buffers.
 pub struct Evaluation {
@@ -194,6 +195,37 @@ pub fn posed(body: &Body, frames: &[Frame]) -> Vec<DVec3> {
         }
     }
     out
+}
+
+/// Frames of a body's bones in a frame of a clip that moves others too.
+pub fn frames_of(body: &Body, clip: &MotionClip, frame: &MotionFrame) -> Vec<Frame> {
+    let frames = clip.world_frames(frame);
+    let bone = |name: &String| frames[clip.find(name).unwrap()];
+    body.skeleton.names.iter().map(bone).collect()
+}
+
+/// Demands that each bone of each clip stands where its node does in the file, turned as that is away from its rest, to the
+/// rounding of f32. Of files whose rest pose is their bind pose, and whose nodes have names of their own.
+pub fn check_clips(bytes: &[u8]) -> Vec<MotionClip> {
+    let file = Evaluation::new(bytes);
+    let rest = file.rest();
+    let clips = supple_files::parse_gltf_motions(bytes, "fixture.glb").unwrap();
+    for (k, clip) in clips.iter().enumerate() {
+        let start = file.first_key(k);
+        for (f, frame) in clip.frames.iter().enumerate() {
+            let world = file.animated(k, start + clip.frame_time * f as f64);
+            for (name, found) in clip.bones.iter().zip(clip.world_frames(frame)) {
+                let mut nodes = file.document.nodes();
+                let node = nodes.find(|n| n.name() == Some(name)).unwrap().index();
+                let now = DAffine3::from_mat4(world[node]);
+                let turn = now.matrix3 * DAffine3::from_mat4(rest[node]).matrix3.inverse();
+                let distance = found.position.distance(now.translation);
+                assert!(distance < 1e-6, "{name}, frame {f}: {distance:e} m");
+                assert!(found.rotation.abs_diff_eq(turn, 1e-6), "{name}, frame {f}");
+            }
+        }
+    }
+    clips
 }
 
 /// The largest distance between what the file's vertices are by `expected` and by `found`.

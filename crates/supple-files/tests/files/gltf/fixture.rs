@@ -74,6 +74,47 @@ impl Fixture {
         self.floats("MAT4", &values)
     }
 
+    /// A new animation without channels.
+    pub fn animation(&mut self, name: &str) -> usize {
+        let animation = json!({"name": name, "samplers": [], "channels": []});
+        self.push("animations", animation)
+    }
+
+    /// Adds a channel to an animation; `values` are three or four floats an element.
+    pub fn channel(
+        &mut self,
+        animation: usize,
+        (node, path, interpolation): (usize, &str, &str),
+        times: &[f32],
+        values: &[Vec<f32>],
+    ) {
+        let times: Vec<[f32; 1]> = times.iter().map(|t| [*t]).collect();
+        let input = self.floats("SCALAR", &times);
+        let bytes: Vec<u8> = values
+            .iter()
+            .flatten()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        let kind = if path == "rotation" { "VEC4" } else { "VEC3" };
+        let output = self.accessor(FLOAT, kind, values.len(), &bytes);
+        let animation = &mut self.json["animations"][animation];
+        let samplers = animation["samplers"].as_array_mut().unwrap();
+        samplers.push(json!({"input": input, "output": output, "interpolation": interpolation}));
+        let sampler = samplers.len() - 1;
+        let channels = animation["channels"].as_array_mut().unwrap();
+        channels.push(json!({"sampler": sampler, "target": {"node": node, "path": path}}));
+    }
+
+    /// Turns a node away from its rest in half a second and back in another.
+    pub fn swing(&mut self, animation: usize, node: usize, turn: DQuat) {
+        let rest = &self.json["nodes"][node]["rotation"];
+        let part = |k: usize| rest[k].as_f64().unwrap_or(if k == 3 { 1.0 } else { 0.0 });
+        let rest = DQuat::from_array([0, 1, 2, 3].map(part));
+        let values = [rest, rest * turn, rest].map(|q| q.as_quat().to_array().to_vec());
+        let channel = (node, "rotation", "LINEAR");
+        self.channel(animation, channel, &[0.0, 0.5, 1.0], &values);
+    }
+
     /// The file as GLB.
     pub fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();

@@ -110,6 +110,17 @@ fn broken_documents_name_the_object_at_fault() {
             &["EXT_meshopt_compression"],
         ),
         (
+            set(
+                "/extensionsRequired",
+                json!(["KHR_materials_ior", "EXT_mesh_gpu_instancing"]),
+            ),
+            &["EXT_mesh_gpu_instancing", "without it"],
+        ),
+        (
+            set("/extensionsRequired", json!(["KHR_lights_punctual_2"])),
+            &["KHR_lights_punctual_2"],
+        ),
+        (
             set("/extensionsRequired", json!(["ACME_teapot"])),
             &["ACME_teapot"],
         ),
@@ -131,13 +142,10 @@ fn broken_documents_name_the_object_at_fault() {
             set("/nodes/1/rotation", json!([0, 0, 0, 0])),
             &["nodes[1]", "rotation"],
         ),
+        (set("/nodes/1/scale", json!([0, 0, 0])), &["meshes", "flat"]),
         (
-            set("/nodes/1/scale", json!([1, 2, 1])),
-            &["nodes[1]", "bone 0", "sheared"],
-        ),
-        (
-            set("/nodes/1/scale", json!([0, 0, 0])),
-            &["bone 0", "nothing"],
+            set("/skins", json!([{"joints": []}])),
+            &["primitives[0]", "no joints"],
         ),
         (
             set("/nodes/1/translation", json!([1e308, 1e308, 0])),
@@ -215,6 +223,23 @@ fn broken_documents_name_the_object_at_fault() {
         change(&mut file);
         refused(&file.glb(), words);
     }
+}
+
+#[test]
+fn extensions_that_leave_geometry_alone_may_be_required() {
+    let mut file = rich();
+    file.json["extensionsRequired"] = json!([
+        "KHR_materials_pbrSpecularGlossiness",
+        "KHR_materials_variants",
+        "KHR_texture_basisu",
+        "EXT_texture_avif",
+        "KHR_lights_punctual",
+        "KHR_xmp_json_ld",
+        "KHR_node_visibility",
+        "KHR_mesh_quantization",
+        "VRMC_vrm_animation",
+    ]);
+    read(&file.glb()).unwrap();
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 mod assets;
 mod attachments;
+mod bones;
+mod cases;
 mod damaged;
 mod evaluation;
 mod fixture;
@@ -9,5 +11,6 @@ mod joints;
 mod malformed;
 mod meshes;
 mod motions;
+mod scales;
 mod skins;
 mod vrm;
