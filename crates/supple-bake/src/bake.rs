@@ -45,6 +45,34 @@ pub fn bake(
     recipe: &Recipe,
     progress: &mut Progress<'_>,
 ) -> Result<(Avatar, BakeReport)> {
+    bake_phases(body, recipe, progress).map_err(|e| with_tissue(body, e))
+}
+
+/// `error` with the parts that were chosen as tissue, where some were not: the choice may be what is wrong.
+fn with_tissue(body: &Body, error: Error) -> Error {
+    let parts = body.tissue_parts();
+    if body.attachments.is_empty() || parts.is_empty() {
+        return error;
+    }
+    let told = |problem: String| format!("{problem} (tissue is {})", parts.join(", "));
+    match error {
+        Error::Invalid { field, problem } if field.inside("recipe").is_none() => {
+            let problem = told(problem);
+            Error::Invalid { field, problem }
+        }
+        Error::Solve { system, problem } => {
+            let problem = told(problem);
+            Error::Solve { system, problem }
+        }
+        other => other,
+    }
+}
+
+fn bake_phases(
+    body: &Body,
+    recipe: &Recipe,
+    progress: &mut Progress<'_>,
+) -> Result<(Avatar, BakeReport)> {
     let of_recipe = |e: Error| e.within("recipe");
     recipe.validate().map_err(of_recipe)?;
     let mut clock = Clock::new(progress);

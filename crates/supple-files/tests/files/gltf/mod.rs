@@ -9,5 +9,6 @@ mod joints;
 mod malformed;
 mod meshes;
 mod motions;
+mod parts;
 mod skins;
 mod vrm;
