@@ -46,14 +46,17 @@ pub(crate) fn followed(body: &Body) -> Rows<(u32, f64)> {
         });
     let fade = FADE.map(|share| share * (high - low).max_element());
     let around = skin.triangles_around();
+    // A point of a triangle is no farther from one of its corners than its longest edge.
+    let reach = fade[1] + longest_edge(skin);
     let mut rows = Rows::default();
     for attachment in &body.attachments {
         let positions = &attachment.surface.positions;
+        if !attachment.follows_tissue {
+            positions.iter().for_each(|_| rows.push([]));
+            continue;
+        }
         let found = par_map(positions.len(), |v| {
-            let Some((near, _)) = nearest
-                .nearest(positions[v])
-                .filter(|_| attachment.follows_tissue)
-            else {
+            let Some((near, _)) = nearest.nearest_within(positions[v], reach) else {
                 return Vec::new();
             };
             let triangles = around.row(near as usize);
@@ -62,6 +65,15 @@ pub(crate) fn followed(body: &Body) -> Rows<(u32, f64)> {
         found.into_iter().for_each(|row| rows.push(row));
     }
     rows
+}
+
+/// m; 0 where there is no triangle.
+fn longest_edge(skin: &Surface) -> f64 {
+    let edges = (0..skin.triangles.len()).flat_map(|t| {
+        let [a, b, c] = skin.corners(t);
+        [a.distance(b), b.distance(c), c.distance(a)]
+    });
+    edges.fold(0.0, f64::max)
 }
 
 /// The skin's points and triangles with the attachments' after them.
@@ -169,7 +181,49 @@ fn nearest_in_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Limb;
     use supple::internal::math::Random;
+
+    #[test]
+    fn what_is_followed_is_that_of_a_full_search_near_and_far() {
+        let mut body = Limb::S.body().unwrap();
+        let mut random = Random::new(7);
+        let (low, high) = body.skin.bounds();
+        let size = (high - low).max_element();
+        let positions: Vec<DVec3> = (0..600)
+            .map(|i| (if i < 500 { 0.7 } else { 40.0 }) * size * random.vector(1.0))
+            .collect();
+        let whole = SkinWeight {
+            bone: 0,
+            weight: 1.0,
+        };
+        let attachment = |follows_tissue| Attachment {
+            skinning: positions.iter().map(|_| [whole]).collect(),
+            surface: Surface {
+                positions: positions.clone(),
+                triangles: Vec::new(),
+            },
+            follows_tissue,
+            ..Attachment::default()
+        };
+        body.attachments = vec![attachment(true), attachment(false)];
+        let found = followed(&body);
+        let around = body.skin.triangles_around();
+        let nearest = NearestPoint::new(&body.skin.positions);
+        let mut following = 0;
+        for (v, &p) in positions.iter().enumerate() {
+            let (near, _) = nearest.nearest(p).unwrap();
+            let triangles = around.row(near as usize);
+            let fade = FADE.map(|share| share * size);
+            assert_eq!(
+                found.row(v),
+                nearest_shares(&body.skin, near, triangles, p, fade)
+            );
+            following += usize::from(!found.row(v).is_empty());
+            assert!(found.row(positions.len() + v).is_empty());
+        }
+        assert!((30..500).contains(&following), "{following}");
+    }
 
     #[test]
     fn no_point_of_the_triangle_is_nearer() {

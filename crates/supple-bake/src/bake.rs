@@ -10,7 +10,7 @@ use super::report::{
 use super::{Recipe, set_limits};
 use crate::basis::{BiharmonicSystem, basis_at_tets, basis_on_skin, skinning_at_tets};
 use crate::body::Body;
-use crate::bones::bone_masses;
+use crate::bones::{BoneLoads, bone_masses, drop_bones, retain};
 use crate::cubature::{Cubature, Tissue};
 use crate::handles::{Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
@@ -42,6 +42,34 @@ pub type Progress<'a> = dyn FnMut(usize) + 'a;
 /// [`Error::Invalid`] where the body or the recipe is not usable; [`Error::Solve`] where the layer hangs
 /// together too loosely, or handles stand too close for its mesh.
 pub fn bake(
+    body: &Body,
+    recipe: &Recipe,
+    progress: &mut Progress<'_>,
+) -> Result<(Avatar, BakeReport)> {
+    bake_phases(body, recipe, progress).map_err(|e| with_tissue(body, e))
+}
+
+/// `error` with the parts that were chosen as tissue, where some were not: the choice may be what is wrong.
+fn with_tissue(body: &Body, error: Error) -> Error {
+    let parts = body.tissue_parts();
+    if body.attachments.is_empty() || parts.is_empty() {
+        return error;
+    }
+    let told = |problem: String| format!("{problem} (tissue is {})", parts.join(", "));
+    match error {
+        Error::Invalid { field, problem } if field.inside("recipe").is_none() => {
+            let problem = told(problem);
+            Error::Invalid { field, problem }
+        }
+        Error::Solve { system, problem } => {
+            let problem = told(problem);
+            Error::Solve { system, problem }
+        }
+        other => other,
+    }
+}
+
+fn bake_phases(
     body: &Body,
     recipe: &Recipe,
     progress: &mut Progress<'_>,
@@ -138,14 +166,15 @@ pub fn bake(
     let (skin, triangles) = with_attachments(body, skin, &attached);
 
     clock.start(5);
-    let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
+    let (masses, mut bones) = bone_masses(body, &node_skinning, recipe.density);
+    let loads = BoneLoads::of(body);
     let seconds = clock.finish();
 
     let material =
         (recipe.material).unwrap_or_else(|| automatic::material(&softness, recipe.density));
     let mut skeleton = body.skeleton.clone();
     set_limits(&mut skeleton, &recipe.limits).map_err(of_recipe)?;
-    let avatar = Avatar {
+    let mut avatar = Avatar {
         name: body.name.clone(),
         skeleton,
         joints: body.joints.clone(),
@@ -177,25 +206,29 @@ pub fn bake(
         bodies: Vec::new(),
         body_slots: 0,
     };
+    let mut handle_report = HandleReport::new(
+        body,
+        &avatar.handles,
+        handles.per_region,
+        recipe.handles.is_empty(),
+    );
+    drop_bones(&mut avatar, &loads.anything)?;
+    retain(&mut bones.masses, &loads.anything);
+    retain(&mut handle_report.per_bone, &loads.anything);
     avatar.validate()?;
     mesh_report.quality = quality;
     let (low, high) = body.skin.bounds();
     let report = BakeReport {
         name: avatar.name.clone(),
         extent: (high - low).to_array(),
-        bone_names: body.skeleton.names.clone(),
+        bone_names: avatar.skeleton.names.clone(),
         skin_vertices: body.skin.positions.len(),
         skin_triangles: body.skin.triangles.len(),
         attachments: AttachmentReport::of(body, &avatar.attached),
         mesh: mesh_report,
         free_nodes: fixed.iter().filter(|f| !**f).count(),
         deep: softness.deep,
-        handles: HandleReport::new(
-            body,
-            &avatar.handles,
-            handles.per_region,
-            recipe.handles.is_empty(),
-        ),
+        handles: handle_report,
         basis: BasisReport {
             linear_precision,
             loose_tets,

@@ -1,6 +1,8 @@
 //! Any character file: what it is, and the body in it.
 
-use super::{SmplModel, read_gltf, read_obj, read_smpl_model, read_tets, separate_tissue};
+use super::{
+    PartNames, SmplModel, read_gltf, read_obj, read_smpl_model, read_tets, separate_tissue,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -116,6 +118,8 @@ pub struct CharacterOptions {
     pub betas: Vec<f64>,
     /// Bones that regions of tets are, by the file's labels.
     pub regions: BTreeMap<String, String>,
+    /// Parts that are tissue or rigid, against what is chosen.
+    pub parts: PartNames,
 }
 
 /// Reads the character file at `path`.
@@ -154,6 +158,7 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
         notes: Vec::new(),
     };
     let name = stem(path);
+    let of_file = |e: Error| e.of_file(path);
     match format {
         CharacterFormat::Smpl => {
             let SmplModel {
@@ -166,7 +171,7 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
             check_betas(directions)?;
             file.body = Body::of_model(&name, &model, betas, Vec::new());
             file.body.joints = JointList::of_bones_in_order(&file.body.skeleton, &file_order);
-            file.separate();
+            file.separate(&options.parts).map_err(of_file)?;
             let called = |k: usize| match k.checked_sub(shapes) {
                 None => format!("shape {k}"),
                 Some(k) => format!("expression {k}"),
@@ -176,39 +181,48 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
         CharacterFormat::Gltf => {
             let character = read_gltf(path)?;
             check_betas(character.shapes().len())?;
-            file.body = character.body(betas)?;
+            file.body = (character.body_of_parts(betas, &options.parts)).map_err(of_file)?;
             file.shapes = character.shapes().iter().map(|s| s.name.clone()).collect();
             file.notes = character.notes;
         }
         CharacterFormat::Obj => {
             check_betas(0)?;
             file.body = skin_around_one_bone(&name, read_obj(path)?);
-            file.separate();
+            file.separate(&options.parts).map_err(of_file)?;
         }
         CharacterFormat::Tets => {
             check_betas(0)?;
+            if !options.parts.is_empty() {
+                let problem = "tets are one part: leave `tissue` and `rigid` out";
+                return Err(Error::format(path, "tissue", problem));
+            }
             let body = read_tets(path)?.body(&name, &options.regions);
-            file.body = body.map_err(|e| e.of_file(path))?;
+            file.body = body.map_err(of_file)?;
             let vertices = file.body.skin.positions.len();
             file.file_vertex_count = vertices;
             file.file_vertices = (0..vertices as u32).collect();
         }
+    }
+    let tissue = file.body.tissue_parts();
+    if tissue.len() > 1 || !file.body.attachments.is_empty() && !tissue.is_empty() {
+        (file.notes).push(format!("tissue is {}", tissue.join(", ")));
     }
     Ok(file)
 }
 
 impl CharacterFile {
     /// Attaches what is not tissue, and keeps account of the file's vertices.
-    fn separate(&mut self) {
+    fn separate(&mut self, named: &PartNames) -> Result<()> {
         /// A map that goes through the separation and is taken out again.
         const VERTEX: &str = "vertex of the file";
         let whole = &mut self.body;
         self.file_vertex_count = whole.skin.positions.len();
         let numbers = (0..self.file_vertex_count).map(|v| v as f64).collect();
         whole.painted.insert(VERTEX.into(), numbers);
-        self.body = separate_tissue(whole.clone());
+        self.body = separate_tissue(whole.clone(), named)?;
         let numbers = self.body.painted.remove(VERTEX).unwrap_or_default();
         self.file_vertices = numbers.into_iter().map(|v| v as u32).collect();
+        Ok(())
     }
 
     /// Paints `map`, a number for each of the file's vertices, on the skin.

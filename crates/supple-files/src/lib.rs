@@ -25,6 +25,7 @@ mod solid;
 mod surface_parts;
 mod tet_mesh;
 mod tissue;
+mod tissue_choice;
 mod weld;
 
 pub use amass::{parse_amass, read_amass};
@@ -50,4 +51,4 @@ pub use tet_mesh::{
     BONE, SKIN, TetFile, TetLayer, TetMeshFile, parse_tet_mesh, parse_tetgen, parse_tets,
     read_tet_mesh, read_tets, write_tet_mesh,
 };
-pub use tissue::separate_tissue;
+pub use tissue::{PartNames, separate_tissue};

@@ -40,6 +40,22 @@ impl Part {
         carried.map(|(_, w)| w).sum::<f64>() / total.max(f64::MIN_POSITIVE)
     }
 
+    /// Lowest and highest corner of the box around it, m.
+    pub fn bounds(&self, skin: &Surface) -> (DVec3, DVec3) {
+        let corners = self.triangles.iter().flatten();
+        corners
+            .map(|&v| skin.positions[v as usize])
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            })
+    }
+
+    /// Size of that box, m.
+    pub fn size(&self, skin: &Surface) -> DVec3 {
+        let (low, high) = self.bounds(skin);
+        high - low
+    }
+
     pub fn is_on_one_bone(&self) -> bool {
         self.weights
             .keys()

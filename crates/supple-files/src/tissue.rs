@@ -1,36 +1,104 @@
 //! Which of a character's surfaces bound its tissue, and what hangs on it.
 //!
-//! Surfaces are the connected parts of the welded skin. The tissue is the part with the largest *score*,
+//! Surfaces are the connected parts of the welded skin. Each has a *score*,
 //!
 //! score = |enclosed volume| · max(0, 1 − 4 · holes' share of the area),
 //!
 //! holes being closed by cones for both: a body with open eye sockets keeps its volume, a coat that is
-//! open below loses it. Where every score is 0, it is the part with the largest area. Further parts are
-//! tissue too (a head, a hand made apart) if their score is at least 2 % of the largest, they are moved by
-//! several bones of which one moves tissue, and less than half of their volume lies in tissue already.
+//! open below loses it. The tissue starts from the best part that several bones move (a helmet on one bone may
+//! be larger), or where there is none from the best of all; where every score is 0, the largest area is the best.
+//! Parts join it (a head, a limb made apart), the largest first and as long as any does, if their score is at
+//! least 2 % of the first's, several bones move them, less than half of their volume lies in tissue already,
+//! and one of their bones moves tissue or is next to one that does, no other bone with weight between. Of those
+//! that are merely next to it, boxes are apart by a tenth of the first's extent at most, and where the file says
+//! which bones are a person's (VRM), one of these moves them: hair does not join.
 //!
 //! Everything else is attached. It *follows the nearest tissue*, less and less with its distance
 //! ([`supple_bake`]), except what stays *rigid*, moved by its bones alone: parts whose bones move no tissue
 //! (hair with bones of its own), and nearly closed parts on one bone (eyes, teeth, shoes, props).
+//!
+//! [`PartNames`] are exceptions from this.
 
 use super::surface_parts::{Part, connected_parts};
-use glam::DVec3;
-use std::collections::{BTreeMap, HashSet};
-use supple::internal::math::{Random, Rows};
+use super::tissue_choice::choose_tissue;
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use supple::internal::math::Rows;
 use supple::model::{PoseBlend, SkinWeight, Surface};
-use supple_bake::math::winding_number;
+use supple::{Error, Result};
 use supple_bake::{Attachment, Body};
 
-/// Score of further tissue relative to the first's.
-const LEAST_SCORE: f64 = 0.02;
+/// Parts by name, against what is chosen. A part has the name of the file's mesh that draws most of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PartNames {
+    /// Parts that are tissue besides those that are chosen; others join these too.
+    pub tissue: Vec<String>,
+    /// Parts that are attached, and that their bones alone move.
+    pub rigid: Vec<String>,
+}
+
+impl PartNames {
+    /// Whether nothing is named.
+    pub fn is_empty(&self) -> bool {
+        self.tissue.is_empty() && self.rigid.is_empty()
+    }
+
+    /// What is said of each part: that it is tissue, or that it is rigid.
+    fn roles(&self, parts: &[String]) -> Result<Vec<Option<bool>>> {
+        let mut roles = vec![None; parts.len()];
+        for (list, key, role) in [
+            (&self.tissue, "tissue", true),
+            (&self.rigid, "rigid", false),
+        ] {
+            for (i, name) in list.iter().enumerate() {
+                let wrong = |problem| Err(Error::invalid(format!("{key}[{i}]"), problem));
+                let mut found = false;
+                for (slot, _) in roles.iter_mut().zip(parts).filter(|(_, n)| *n == name) {
+                    if slot.is_some_and(|before| before != role) {
+                        return wrong(format!("{name:?} is in both lists: leave it in one"));
+                    }
+                    (*slot, found) = (Some(role), true);
+                }
+                if !found {
+                    return wrong(format!(
+                        "no part is called {name:?}; there are {}",
+                        told(parts)
+                    ));
+                }
+            }
+        }
+        Ok(roles)
+    }
+}
+
+/// Names, each once and not too many.
+fn told(names: &[String]) -> String {
+    const MOST: usize = 24;
+    let names: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+    let mut text = (names.iter().take(MOST).copied())
+        .collect::<Vec<_>>()
+        .join(", ");
+    if names.len() > MOST {
+        text += &format!(" and {} more", names.len() - MOST);
+    }
+    text
+}
 
 /// The body with only its tissue's surface as skin; the other parts of its skin are attachments,
 /// after those that it has.
-pub fn separate_tissue(body: Body) -> Body {
+///
+/// # Errors
+/// [`Error::Invalid`] naming an entry of `named` that names no part or one of the other list, or a list that leaves no tissue.
+pub fn separate_tissue(body: Body, named: &PartNames) -> Result<Body> {
     let (part_of, parts) = connected_parts(&body.skin, &body.skinning);
-    let tissue = choose_tissue(&body.skin, &parts);
+    let names = part_names(&body, &part_of, parts.len());
+    let roles = named.roles(&names)?;
+    let tissue = choose_tissue(&body, &parts, &roles);
     if tissue.iter().all(|t| *t) && part_of.iter().all(Option::is_some) {
-        return body;
+        return Ok(body);
+    }
+    if !parts.is_empty() && !tissue.contains(&true) {
+        let problem = "names every part: leave one out, which is then tissue";
+        return Err(Error::invalid("rigid", problem));
     }
     let mut carries_tissue: HashSet<u32> = HashSet::new();
     for (part, _) in parts.iter().zip(&tissue).filter(|(_, t)| **t) {
@@ -40,13 +108,12 @@ pub fn separate_tissue(body: Body) -> Body {
         let rigid = part.is_on_one_bone() && part.score() > 0.0;
         !rigid && part.share(|bone| carries_tissue.contains(&bone)) > 0.5
     };
-    let names = part_names(&body, &part_of, parts.len());
     // Attachments by name and whether they follow, in the order of their first part. Vertices of no
     // triangle are one more.
     let mut groups: Vec<(String, bool)> = Vec::new();
     let mut group_of: Vec<Option<usize>> = Vec::new();
     for (p, part) in parts.iter().enumerate() {
-        let key = (names[p].clone(), follows(part));
+        let key = (names[p].clone(), roles[p].is_none() && follows(part));
         group_of.push(
             (!tissue[p]).then(|| match groups.iter().position(|g| *g == key) {
                 Some(at) => at,
@@ -62,65 +129,7 @@ pub fn separate_tissue(body: Body) -> Body {
         groups.len() - 1
     });
     let group = |v: usize| part_of[v].map_or(loose, |p| group_of[p as usize]);
-    split(&body, groups.clone(), group)
-}
-
-/// Which parts are tissue.
-fn choose_tissue(skin: &Surface, parts: &[Part]) -> Vec<bool> {
-    let mut tissue = vec![false; parts.len()];
-    let mut order: Vec<usize> = (0..parts.len()).collect();
-    let size = |p: &usize| (parts[*p].score(), parts[*p].area);
-    order.sort_by(|a, b| {
-        let ((score_a, area_a), (score_b, area_b)) = (size(a), size(b));
-        (score_b.total_cmp(&score_a)).then(area_b.total_cmp(&area_a))
-    });
-    let Some((&first, others)) = order.split_first() else {
-        return tissue;
-    };
-    tissue[first] = true;
-    let mut bones: HashSet<u32> = parts[first].weights.keys().copied().collect();
-    let mut accepted = parts[first].triangles.clone();
-    for &p in others {
-        let part = &parts[p];
-        if part.score() < LEAST_SCORE * parts[first].score() || part.score() == 0.0 {
-            break;
-        }
-        let joined = part.weights.keys().any(|b| bones.contains(b));
-        if joined && !part.is_on_one_bone() && part_within(skin, part, &accepted) < 0.5 {
-            tissue[p] = true;
-            bones.extend(part.weights.keys());
-            accepted.extend(&part.triangles);
-        }
-    }
-    tissue
-}
-
-/// The share of a part's volume that `others` hold, from points strewn in it by a fixed seed.
-fn part_within(skin: &Surface, part: &Part, others: &[[u32; 3]]) -> f64 {
-    const TRIES: usize = 400;
-    const ENOUGH: usize = 40;
-    let corners = |t: &[u32; 3]| t.map(|v| skin.positions[v as usize]);
-    let inside = |p: DVec3, triangles: &[[u32; 3]]| {
-        winding_number(p, triangles.iter().map(corners)).abs() > 0.5
-    };
-    let (low, high) = (part.triangles.iter().flat_map(corners))
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-            (low.min(p), high.max(p))
-        });
-    let mut random = Random::new(1);
-    let (mut own, mut both) = (0, 0);
-    for _ in 0..TRIES {
-        let share = DVec3::from_array([0; 3].map(|_| random.uniform(0.0, 1.0)));
-        let p = low + share * (high - low);
-        if inside(p, &part.triangles) {
-            own += 1;
-            both += usize::from(inside(p, others));
-        }
-        if own == ENOUGH {
-            break;
-        }
-    }
-    f64::from(both as u32) / f64::from(own.max(1) as u32)
+    Ok(split(&body, groups.clone(), group))
 }
 
 /// A name for each part: that of what draws most of its triangles.

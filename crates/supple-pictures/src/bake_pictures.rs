@@ -1,4 +1,4 @@
-//! Pictures of a bake: handles, a column of the basis, cubature points, skin weights.
+//! Pictures of a bake: what is tissue and what hangs on it, handles, a column of the basis, cubature points, skin weights.
 
 use super::{
     Camera, Colour, ColourScale, Image, Legend, Mesh, Panel, Strip, View, category_colour,
@@ -22,13 +22,21 @@ pub struct BakePicture {
 
 const SKIN: u32 = 0xd9cfc4;
 const HANDLE: u32 = 0xb3203f;
+/// What follows tissue, and what bones alone move.
+const ATTACHED: [u32; 2] = [0x6f93b8, 0x6b7280];
 /// Pixels of a panel, about.
 const PANEL: f64 = 640.0;
 
-/// The pictures of a baked avatar in its reference shape, framed for any size and posture.
+/// The pictures of a baked avatar in its reference shape, framed for any size and posture; `parts` only where something is
+/// attached.
 pub fn bake_pictures(avatar: &Avatar) -> Vec<BakePicture> {
     let stage = Stage::new(avatar);
-    vec![
+    let attached = stage.attached.iter().any(|s| !s.triangles.is_empty());
+    let parts = attached.then(|| BakePicture {
+        name: "parts",
+        image: parts(&stage),
+    });
+    let of_all = [
         BakePicture {
             name: "handles",
             image: handles(avatar, &stage),
@@ -45,7 +53,8 @@ pub fn bake_pictures(avatar: &Avatar) -> Vec<BakePicture> {
             name: "skin_weights",
             image: skin_weights(avatar, &stage),
         },
-    ]
+    ];
+    parts.into_iter().chain(of_all).collect()
 }
 
 /// Writes [`bake_pictures`] as PNG files into `folder`, which must exist.
@@ -61,9 +70,11 @@ pub fn write_bake_pictures(avatar: &Avatar, folder: impl AsRef<Path>) -> Result<
     Ok(())
 }
 
-/// The skin without what is attached to it, and where it is seen from.
+/// The skin and what is attached to it, and where they are seen from.
 struct Stage {
     skin: Surface,
+    /// What follows tissue, and what bones alone move.
+    attached: [Surface; 2],
     /// Largest extent, m.
     size: f64,
     /// Towards a viewer in front, to the side, up.
@@ -79,11 +90,19 @@ impl Stage {
     fn new(avatar: &Avatar) -> Self {
         let points = &avatar.skin;
         // Attached vertices have no area of their own.
-        let own = |t: &&[u32; 3]| t.iter().any(|&v| points.measure[v as usize] > 0.0);
-        let skin = Surface {
-            positions: points.position.clone(),
-            triangles: avatar.triangles.iter().filter(own).copied().collect(),
+        let own = |t: &[u32; 3]| t.iter().any(|&v| points.measure[v as usize] > 0.0);
+        let tissue = avatar.tissue_vertices();
+        let follows = |v: &u32| {
+            let row = (*v as usize).checked_sub(tissue);
+            row.is_some_and(|k| k < avatar.attached.len() && !avatar.attached.row(k).is_empty())
         };
+        let surface = |wanted: &dyn Fn(&[u32; 3]) -> bool| Surface {
+            positions: points.position.clone(),
+            triangles: (avatar.triangles.iter().copied().filter(wanted)).collect(),
+        };
+        let skin = surface(&own);
+        let attached = [true, false]
+            .map(|following| surface(&|t| !own(t) && t.iter().any(follows) == following));
         let used = (skin.triangles.iter().flatten()).map(|&v| skin.positions[v as usize]);
         let (low, high) = used.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| {
             (l.min(p), h.max(p))
@@ -118,6 +137,7 @@ impl Stage {
         let aspect = (side.dot(extent).abs() / up.dot(extent).abs()).clamp(0.6, 1.6);
         Self {
             skin,
+            attached,
             size: extent.max_element(),
             front,
             side,
@@ -149,7 +169,11 @@ impl Stage {
 
     /// Both views of `meshes`.
     fn both(&self, meshes: &[Mesh], what: &str) -> Vec<Panel> {
-        let framed: Vec<DVec3> = self.corners();
+        self.both_framed(meshes, self.corners(), what)
+    }
+
+    /// Both views of `meshes` with what is `framed` in the middle.
+    fn both_framed(&self, meshes: &[Mesh], framed: Vec<DVec3>, what: &str) -> Vec<Panel> {
         let panel = |(direction, side): (DVec3, &str)| {
             self.panel(meshes, &framed, direction, format!("{what} ({side})"))
         };
@@ -158,8 +182,25 @@ impl Stage {
 
     /// The places of the skin's triangles.
     fn corners(&self) -> Vec<DVec3> {
-        let corners = self.skin.triangles.iter().flatten();
-        corners.map(|&v| self.skin.positions[v as usize]).collect()
+        places(&self.skin).collect()
+    }
+
+    /// Those, and the places of what is attached within five times the skin's size.
+    fn corners_with_attached(&self) -> Vec<DVec3> {
+        let mut framed = self.corners();
+        let (low, high) = (framed.iter())
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| {
+                (l.min(*p), h.max(*p))
+            });
+        let reach = 5.0 * self.size;
+        let near = |p: &DVec3| p.cmpge(low - reach).all() && p.cmple(high + reach).all();
+        framed.extend(self.attached.iter().flat_map(places).filter(near));
+        framed
+    }
+
+    /// The attached parts, each kind in its colour.
+    fn attached_meshes(&self) -> [Mesh; 2] {
+        [0, 1].map(|k| Mesh::new(self.attached[k].clone(), from_srgb(ATTACHED[k])))
     }
 
     fn sheet(panels: Vec<Panel>, legend: Option<Legend>, key: Vec<(Colour, String)>) -> Image {
@@ -173,7 +214,25 @@ impl Stage {
     }
 }
 
-/// Handles as balls on the skin; where they lie inside it, without it.
+/// The places of a surface's triangles.
+fn places(surface: &Surface) -> impl Iterator<Item = DVec3> + '_ {
+    let corners = surface.triangles.iter().flatten();
+    corners.map(|&v| surface.positions[v as usize])
+}
+
+/// Tissue, and what is attached to it.
+fn parts(stage: &Stage) -> Image {
+    let mut meshes = vec![Mesh::new(stage.skin.clone(), from_srgb(SKIN))];
+    meshes.extend(stage.attached_meshes());
+    let panels = stage.both_framed(&meshes, stage.corners_with_attached(), "parts");
+    let names = ["tissue", "follows tissue", "follows its bones"];
+    let colours = [SKIN, ATTACHED[0], ATTACHED[1]].map(from_srgb);
+    let key = colours.into_iter().zip(names.map(String::from));
+    Stage::sheet(panels, None, key.collect())
+}
+
+/// Handles as balls on the skin and what bones alone move; clothes, which would hide them, are left out. Where they lie
+/// inside it, without it.
 fn handles(avatar: &Avatar, stage: &Stage) -> Image {
     let radius = 0.011 * stage.size;
     let search = NearestPoint::new(&avatar.skin.position);
@@ -190,7 +249,8 @@ fn handles(avatar: &Avatar, stage: &Stage) -> Image {
     if hidden * 20 > avatar.handles.len() {
         what += &format!(", {hidden} of them inside: the skin is left out");
     } else {
-        meshes.push(Mesh::new(stage.skin.clone(), from_srgb(SKIN)));
+        let [_, rigid] = stage.attached_meshes();
+        meshes.extend([Mesh::new(stage.skin.clone(), from_srgb(SKIN)), rigid]);
     }
     Stage::sheet(stage.both(&meshes, &what), None, Vec::new())
 }
@@ -295,8 +355,10 @@ fn skin_weights(avatar: &Avatar, stage: &Stage) -> Image {
             std::array::from_fn(|c| sum[c] + w.weight as f32 * colour[c])
         })
     };
-    let colours = avatar.skin.skinning.iter().map(mixed).collect();
-    let skin = Mesh::coloured(stage.skin.clone(), colours);
+    let colours: Vec<Colour> = avatar.skin.skinning.iter().map(mixed).collect();
+    let coloured = |surface: &Surface| Mesh::coloured(surface.clone(), colours.clone());
+    let [following, rigid] = &stage.attached;
+    let meshes = [&stage.skin, following, rigid].map(coloured);
     let mut used = vec![false; avatar.skeleton.len()];
     for (row, area) in avatar.skin.skinning.iter().zip(&avatar.skin.measure) {
         let heaviest = row.iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
@@ -308,5 +370,5 @@ fn skin_weights(avatar: &Avatar, stage: &Stage) -> Image {
         .filter(|(j, _)| used[*j])
         .map(|(j, name)| (category_colour(j), name.clone()))
         .collect();
-    Stage::sheet(stage.both(&[skin], "skin weights"), None, key)
+    Stage::sheet(stage.both(&meshes, "skin weights"), None, key)
 }

@@ -158,6 +158,23 @@ impl Body {
         })
     }
 
+    /// Names of the parts that the file draws the tissue's skin with, each once; none where it is drawn as it is.
+    pub fn tissue_parts(&self) -> Vec<&str> {
+        let vertices = self.skin.positions.len();
+        let of_skin = |d: &RenderMesh| {
+            let corners = d.triangles.iter().map(|t| d.vertices.get(t[0] as usize));
+            let mut drawn = corners.flatten().map(|&v| (v as usize) < vertices);
+            drawn.any(|of_skin| of_skin)
+        };
+        let mut names: Vec<&str> = Vec::new();
+        for d in self.render_meshes.iter().filter(|d| of_skin(d)) {
+            if !names.contains(&d.name.as_str()) {
+                names.push(&d.name);
+            }
+        }
+        names
+    }
+
     /// Makes everything `factor` times as large.
     pub fn scale(&mut self, factor: f64) {
         let surfaces = self.bone_surfaces.iter_mut();

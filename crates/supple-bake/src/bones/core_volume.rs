@@ -1,6 +1,7 @@
 //! The rigid core of a body: what is inside the skin and not tissue, sampled on a grid.
 
 use crate::body::Body;
+use crate::math::NearestPoint;
 use crate::mesh::{Grid, SoundSkin};
 use glam::DVec3;
 use supple::model::Surface;
@@ -50,20 +51,20 @@ pub(crate) fn core_samples(body: &Body, known: &[&Surface]) -> Vec<CoreSample> {
         let held = inside(&grid, solid);
         core.iter_mut().zip(held).for_each(|(c, h)| *c &= !h);
     }
-    let held: Vec<(u32, DVec3)> = (body.layer.bone_of_node.iter().enumerate())
+    let (held, places): (Vec<u32>, Vec<DVec3>) = (body.layer.bone_of_node.iter().enumerate())
         .filter(|(_, bone)| bone.is_some())
         .map(|(n, _)| (n as u32, body.layer.mesh.nodes[n]))
-        .collect();
+        .unzip();
+    let search = NearestPoint::new(&places);
     let cells: Vec<usize> = (0..core.len()).filter(|&i| core[i]).collect();
     supple::internal::math::par_map(cells.len(), |c| {
         let [nx, ny, _] = grid.counts;
         let (i, j, k) = (cells[c] % nx, cells[c] / nx % ny, cells[c] / (nx * ny));
         let position = grid.origin + cell * DVec3::new(i as f64, j as f64, k as f64);
-        let squares = held.iter().map(|(n, q)| (*n, q.distance_squared(position)));
         CoreSample {
             position,
             volume: cell.powi(3),
-            nearest_node: (squares.min_by(|a, b| a.1.total_cmp(&b.1))).map_or(0, |n| n.0),
+            nearest_node: (search.nearest(position)).map_or(0, |(k, _)| held[k as usize]),
         }
     })
 }

@@ -36,6 +36,16 @@ impl<'a> NearestPoint<'a> {
         let index = nearest.iter().map(|n| n.data).min()?;
         Some((index, self.points[index as usize].distance(p)))
     }
+
+    /// [`NearestPoint::nearest`] where that is no farther than `most`, m. What is far from all points costs nothing.
+    pub fn nearest_within(&self, p: DVec3, most: f64) -> Option<(u32, f64)> {
+        let outside = self.tree.root().envelope().distance_2(&p.to_array());
+        // An empty tree's box is at no distance.
+        if !(outside <= most * most) {
+            return None;
+        }
+        self.nearest(p).filter(|(_, distance)| *distance <= most)
+    }
 }
 
 #[cfg(test)]
@@ -58,9 +68,16 @@ mod tests {
                 let (index, distance) = search.nearest(p).unwrap();
                 let first = points.iter().position(|q| q.distance(p) == expected);
                 assert_eq!((Some(index as usize), distance), (first, expected));
+                let within = |most| search.nearest_within(p, most);
+                assert_eq!(within(expected), Some((index, distance)));
+                assert_eq!(within(0.999 * expected), None);
             }
             assert_eq!(search.nearest(DVec3::NAN), None);
         }
+        assert_eq!(
+            NearestPoint::new(&[]).nearest_within(DVec3::ZERO, 1.0),
+            None
+        );
         assert_eq!(NearestPoint::new(&[]).distance(DVec3::ZERO), f64::INFINITY);
     }
 }

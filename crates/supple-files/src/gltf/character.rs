@@ -1,7 +1,7 @@
 //! A character as its file tells it: a body, its shapes, and what else is there.
 
 use super::BoneCollider;
-use crate::tissue::separate_tissue;
+use crate::tissue::{PartNames, separate_tissue};
 use glam::DVec3;
 use supple::model::{Frame, PoseBlend, SkinWeight, Surface};
 use supple::{Error, Result};
@@ -54,6 +54,14 @@ impl Character {
     /// # Errors
     /// [`Error::Invalid`] where there are more amounts than shapes, or one is not finite.
     pub fn body(&self, amounts: &[f64]) -> Result<Body> {
+        self.body_of_parts(amounts, &PartNames::default())
+    }
+
+    /// [`Character::body`] with parts that are tissue or rigid by name.
+    ///
+    /// # Errors
+    /// As [`Character::body`] and [`separate_tissue`].
+    pub fn body_of_parts(&self, amounts: &[f64], named: &PartNames) -> Result<Body> {
         let Whole {
             body,
             copies,
@@ -86,6 +94,6 @@ impl Character {
                 follows_tissue: true,
             });
         }
-        Ok(separate_tissue(body))
+        separate_tissue(body, named)
     }
 }

@@ -29,8 +29,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use supple::Result;
 use supple::model::{Frame, Skeleton};
 
-/// More bones than any character has; each has six degrees of freedom.
+/// More bones than any character has on or below which something hangs; each has six degrees of freedom.
 const MOST_BONES: usize = 1024;
+
+/// More joints than any character has, with those that move nothing.
+const MOST_JOINTS: usize = 8192;
 
 /// The bones of a file.
 #[derive(Debug)]
@@ -84,8 +87,8 @@ impl Rig {
                 weight[part.node] += part.positions.len() as f64;
             }
         }
-        if is_bone.len() > MOST_BONES {
-            let problem = format!("{} bones; {MOST_BONES} at most are read", is_bone.len());
+        if is_bone.len() > MOST_JOINTS {
+            let problem = format!("{} joints; {MOST_JOINTS} at most are read", is_bone.len());
             return Err(file.broken("skins", problem));
         }
         let tree = BoneTree::new(file, nodes, &is_bone, &weight);
@@ -95,6 +98,16 @@ impl Rig {
         let mut bone_of_node = vec![None; nodes.parents.len()];
         for (bone, &n) in tree.nodes.iter().enumerate() {
             bone_of_node[n] = Some(bone as u32);
+        }
+        let hanging = parts.iter().filter(|p| p.skin.is_none());
+        let hanging = hanging.filter_map(|p| nodes.upward(p.node).find_map(|n| bone_of_node[n]));
+        let weighted = (0..).zip(&tree.nodes).filter(|(_, n)| weight[**n] > 0.0);
+        let loaded = tree.count_above(weighted.map(|(bone, _)| bone).chain(hanging));
+        if loaded > MOST_BONES {
+            let problem = format!(
+                "{loaded} bones move something or are above one that does; {MOST_BONES} at most are read: merge bones"
+            );
+            return Err(file.broken("skins", problem));
         }
 
         let mut binding = Binding {

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use supple::model::UpAxis;
 use supple::{Error, Result};
 use supple_bake::Recipe;
+use supple_files::PartNames;
 use supple_samples::Sample;
 
 /// An avatar's source: exactly one of `file`, `recipe`, `sample`, `mesh` and `model`, but `mesh` may go with `model`.
@@ -33,6 +34,12 @@ pub(super) struct Keys {
     /// for each of the file's vertices. A region of handles may name one.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub painted: BTreeMap<String, PathBuf>,
+    /// Parts of `model` that are tissue besides those that are chosen.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tissue: Vec<String>,
+    /// Parts of `model` that hang on it and that their bones alone move.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rigid: Vec<String>,
     /// Bones that the regions of `mesh` are, by its labels; a label that is a bone's name needs no entry.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub regions: BTreeMap<String, String>,
@@ -74,6 +81,8 @@ impl Keys {
                 !self.betas.is_empty() && self.sample != Some(Sample::Body),
             ),
             ("painted", !self.painted.is_empty()),
+            ("tissue", !self.tissue.is_empty()),
+            ("rigid", !self.rigid.is_empty()),
         ];
         if let (None, Some((key, _))) = (&self.model, of_model.iter().find(|k| k.1)) {
             let problem = "belongs to a model: name one";
@@ -114,6 +123,8 @@ impl TryFrom<Keys> for AvatarSource {
             betas,
             bones,
             painted,
+            tissue,
+            rigid,
             regions,
             scale,
             up,
@@ -130,6 +141,7 @@ impl TryFrom<Keys> for AvatarSource {
                 mesh,
                 regions,
                 painted,
+                parts: PartNames { tissue, rigid },
             }),
             (_, _, _, _, Some(mesh)) => BodyOrigin::Tets { mesh, regions },
             _ => return Err(Error::invalid("avatar", "has no source")),
@@ -173,6 +185,8 @@ impl From<AvatarSource> for Keys {
                 mesh: c.mesh,
                 regions: c.regions,
                 painted: c.painted,
+                tissue: c.parts.tissue,
+                rigid: c.parts.rigid,
                 ..Self::default()
             },
             BodyOrigin::Tets { mesh, regions } => Self {

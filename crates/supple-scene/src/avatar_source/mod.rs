@@ -14,8 +14,8 @@ use supple::model::{Surface, UpAxis};
 use supple::{Error, Result};
 use supple_bake::{Body, Recipe};
 use supple_files::{
-    CharacterFile, CharacterOptions, FileKind, read_character, read_closed_obj, read_painted,
-    read_tets, read_text, read_toml_text,
+    CharacterFile, CharacterOptions, FileKind, PartNames, read_character, read_closed_obj,
+    read_painted, read_tets, read_text, read_toml_text,
 };
 use supple_samples::{Sample, limb_recipe};
 
@@ -80,6 +80,8 @@ pub struct CharacterSource {
     pub regions: BTreeMap<String, String>,
     /// Maps painted on the skin, by name.
     pub painted: BTreeMap<String, PathBuf>,
+    /// Parts of it that are tissue or rigid, against what is chosen.
+    pub parts: PartNames,
 }
 
 impl CharacterSource {
@@ -95,6 +97,7 @@ impl CharacterSource {
         CharacterOptions {
             betas: self.betas.clone(),
             regions: self.regions.clone(),
+            parts: self.parts.clone(),
         }
     }
 
@@ -341,8 +344,8 @@ impl AvatarSource {
             }
             BodyOrigin::Tets { mesh, regions } => {
                 let options = CharacterOptions {
-                    betas: Vec::new(),
                     regions: regions.clone(),
+                    ..CharacterOptions::default()
                 };
                 (read_character(mesh, &options)?.body, limb_recipe())
             }

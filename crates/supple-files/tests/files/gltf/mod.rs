@@ -11,6 +11,7 @@ mod joints;
 mod malformed;
 mod meshes;
 mod motions;
+mod parts;
 mod scales;
 mod skins;
 mod vrm;
