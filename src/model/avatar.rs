@@ -47,7 +47,7 @@ pub struct Avatar {
     pub joints: JointList,
     /// The axis that points up in the reference shape.
     pub up: UpAxis,
-    /// Mass of each bone.
+    /// Mass of each bone; [`BoneMass::NONE`] of one that is carried ([`Avatar::is_carried`]).
     pub bone_masses: Vec<BoneMass>,
     /// Rest position of each handle, m.
     pub handles: Vec<DVec3>,
@@ -150,6 +150,28 @@ impl Avatar {
         }
     }
 
+    /// Whether frame `bone` is that of a bone without mass on or below it, such as one of hair that is merely drawn. It has
+    /// no degrees of freedom: a step ends with it where its parent carries it, turned as its target is, or else as before.
+    pub fn is_carried(&self, bone: usize) -> bool {
+        self.bone_masses.get(bone) == Some(&BoneMass::NONE)
+    }
+
+    /// Whether carried bones move only what has no mass and hang on others.
+    fn carried_are_sound(&self) -> bool {
+        let carried = |bone: u32| self.is_carried(bone as usize);
+        let areas = self.skin.skinning.iter().zip(&self.skin.measure);
+        let of_skin = areas
+            .filter(|(_, area)| **area > 0.0)
+            .flat_map(|(row, _)| row);
+        let mut moving = of_skin.chain(self.cubature.skinning.entries());
+        let hangs = |(bone, parent): (u32, &Option<u32>)| match parent {
+            None => !carried(bone),
+            Some(parent) => carried(bone) || !carried(*parent),
+        };
+        !moving.any(|w| w.weight != 0.0 && carried(w.bone))
+            && (0..).zip(&self.skeleton.parents).all(hangs)
+    }
+
     /// Mass of the tissue, kg.
     pub fn tissue_mass(&self) -> f64 {
         self.density * self.cubature.measure.iter().sum::<f64>()
@@ -202,14 +224,21 @@ impl Avatar {
         )?;
         check(
             self.bone_masses.iter().all(|b| {
-                let s = &b.second_moment;
-                let pairs = (0..4).flat_map(|i| (0..i).map(move |j| (i, j)));
-                let rounding = |i: usize, j: usize| 1e-9 * (s[i][i] * s[j][j]).sqrt();
-                (0..4).all(|i| s[i][i] > 0.0) && { pairs }
-                    .all(|(i, j)| (s[i][j] - s[j][i]).abs() <= rounding(i, j))
+                *b == BoneMass::NONE || {
+                    let s = &b.second_moment;
+                    let pairs = (0..4).flat_map(|i| (0..i).map(move |j| (i, j)));
+                    let rounding = |i: usize, j: usize| 1e-9 * (s[i][i] * s[j][j]).sqrt();
+                    (0..4).all(|i| s[i][i] > 0.0) && { pairs }
+                        .all(|(i, j)| (s[i][j] - s[j][i]).abs() <= rounding(i, j))
+                }
             }),
             "bone_masses",
             "must be symmetric with a positive diagonal",
+        )?;
+        check(
+            self.carried_are_sound(),
+            "bone_masses",
+            "a bone without mass is a root, moves tissue, or carries one with mass",
         )?;
         check(
             self.handles.iter().all(|h| h.is_finite()),

@@ -1,5 +1,6 @@
 //! One instance's minimisation of E in a step: its Newton step, and what is told about it.
 
+use super::carried::CarriedBone;
 use super::linear_solver::{LinearSolver, SolveReport};
 use super::report::InstanceReport;
 use crate::model::{Frame, State};
@@ -39,6 +40,8 @@ pub(super) struct Minimisation {
     pub prescribed: Vec<bool>,
     /// Which DoFs are: all six of such a frame.
     pub fixed: Vec<bool>,
+    /// Bones that are put where their parents end.
+    pub carried: Vec<CarriedBone>,
     /// The Newton step δ.
     pub step: Vec<f64>,
     /// ∂E/∂(c, ω) of tissue and skeleton where the step ends: at prescribed frames, what holds them.
@@ -58,6 +61,7 @@ impl Minimisation {
             skeleton,
             current,
             fixed: vec![false; dofs],
+            carried: Vec::new(),
             step: vec![0.0; dofs],
             frame_gradient: Vec::new(),
             report: InstanceReport::default(),

@@ -7,6 +7,7 @@
 //! | `settings` | what stays the same through a simulation |
 //! | `instance` | an avatar's state and what drives it, written by the user between steps |
 //! | `prediction` | where the minimisation starts: the inertial prediction, and qⁿ as its fall-back |
+//! | `carried` | bones without mass, which the others carry along |
 //! | `step_start` | what the skeleton's and the tissue's energies are told at the start of a step |
 //! | `report` | what a step tells about itself |
 //! | `linear_solver` | H δ = −g: the interface, scaling, products |
@@ -25,6 +26,7 @@
 //! | `simulation` | avatars of one asset, stepped together |
 //! | `energy_balance` | mechanical energy, measured between steps |
 
+mod carried;
 mod coupled;
 mod dense_cholesky;
 mod energy_balance;

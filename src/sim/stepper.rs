@@ -1,5 +1,6 @@
 //! A step of members of any assets, from their instances to their instances.
 
+use super::carried::{carried_bones, carry};
 use super::groups::Link;
 use super::instance::Instance;
 use super::iteration::Observer;
@@ -120,9 +121,14 @@ impl Stepper {
                 predict(skeleton, instance, iterate);
                 minimisation.fixed.fill(false);
                 minimisation.prescribed.fill(false);
-                for pin in &instance.pins {
-                    minimisation.prescribed[pin.bone] = true;
-                    minimisation.fixed[6 * pin.bone..6 * pin.bone + 6].fill(true);
+                carried_bones(&physics.skeleton, instance, &mut minimisation.carried);
+                for start in [iterate, fallback] {
+                    carry(&minimisation.carried, start);
+                }
+                let pinned = instance.pins.iter().map(|pin| pin.bone);
+                for bone in pinned.chain(minimisation.carried.iter().map(|c| c.bone)) {
+                    minimisation.prescribed[bone] = true;
+                    minimisation.fixed[6 * bone..6 * bone + 6].fill(true);
                 }
             },
         );
@@ -180,6 +186,10 @@ impl Stepper {
             return Ok(());
         };
         newton.minimise(members, mode, timings, observer).await?;
+        let ended = newton.minimisations.iter().zip(&mut newton.iterates.states);
+        for ((minimisation, state), _) in ended.zip(&newton.active).filter(|(_, active)| **active) {
+            carry(&minimisation.carried, state);
+        }
         for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
             if *active && !state.is_finite() {
                 return Err(Error::NotFinite { quantity: "state" });

@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 pub struct SkeletonModel {
     skeleton: Skeleton,
     masses: Vec<BoneMass>,
+    /// Which bones have no mass on or below them.
+    carried: Vec<bool>,
     /// Mass and first moment of each.
     moments: Vec<(f64, DVec3)>,
     /// The tissue's moments where its weight loads the bones and not the handles.
@@ -32,6 +34,9 @@ impl SkeletonModel {
         Self {
             skeleton: avatar.skeleton.clone(),
             masses: avatar.bone_masses.clone(),
+            carried: (0..avatar.skeleton.len())
+                .map(|j| avatar.is_carried(j))
+                .collect(),
             moments: avatar.bone_masses.iter().map(BoneMass::moments).collect(),
             tissue: avatar
                 .captured_under_gravity
@@ -46,6 +51,11 @@ impl SkeletonModel {
     /// The bones' tree.
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
+    }
+
+    /// The bones that have no mass on or below them, and no terms; rising.
+    pub fn carried(&self) -> impl Iterator<Item = usize> {
+        (0..self.carried.len()).filter(|&j| self.carried[j])
     }
 
     /// Mass of bones and tissue, kg, gravity on the latter times `tissue_gravity`.
@@ -124,11 +134,14 @@ impl SkeletonPotential {
     /// [`SkeletonPotential::new`] in the memory of the last step's.
     pub fn restart(&mut self, model: &SkeletonModel, start: &SkeletonStart<'_>) {
         let skeleton = &model.skeleton;
+        let moves = |bone: usize| !model.carried.get(bone).is_some_and(|c| *c);
         let parents = skeleton.parents.iter().enumerate();
-        let pairs = parents.filter_map(|(child, parent)| Some((child, (*parent)? as usize)));
+        let pairs = parents
+            .filter(|(child, _)| moves(*child))
+            .filter_map(|(child, parent)| Some((child, (*parent)? as usize)));
         self.frames = skeleton.len();
         self.inertia.clear();
-        let masses = model.masses.iter().enumerate();
+        let masses = model.masses.iter().enumerate().filter(|(j, _)| moves(*j));
         self.inertia.extend(masses.map(|(j, mass)| {
             let (previous, current) = (&start.previous[j], &start.current[j]);
             BoneInertia::new(j, mass, previous, current, start.time_step)
@@ -149,7 +162,8 @@ impl SkeletonPotential {
         };
         self.bending.extend(pairs.map(bending));
         self.limits.clear();
-        self.limits.extend(start.limits.iter().filter_map(|&limit| {
+        let limits = start.limits.iter().filter(|limit| moves(limit.bone));
+        self.limits.extend(limits.filter_map(|&limit| {
             Some(LimitSpring {
                 child: limit.bone,
                 parent: skeleton.parents[limit.bone]? as usize,
@@ -158,7 +172,8 @@ impl SkeletonPotential {
         }));
         self.tracking.clear();
         let target = |&target| TrackingSpring::new(target, start.current, start.time_step);
-        self.tracking.extend(start.targets.iter().map(target));
+        let targets = start.targets.iter().filter(|target| moves(target.bone));
+        self.tracking.extend(targets.map(target));
         let tissue = model.tissue.as_ref().map(|t| (t, start.tissue_gravity));
         (self.gravity).restart(start.gravity, &model.moments, tissue, start.current);
     }

@@ -9,7 +9,7 @@ use super::report::{
 use super::{Recipe, set_limits};
 use crate::basis::{BiharmonicSystem, basis_at_tets, basis_on_skin, skinning_at_tets};
 use crate::body::Body;
-use crate::bones::bone_masses;
+use crate::bones::{BoneLoads, bone_masses, drop_bones, retain};
 use crate::cubature::{Cubature, Tissue};
 use crate::handles::{Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
@@ -160,14 +160,15 @@ fn bake_phases(
     let (skin, triangles) = with_attachments(body, skin, &attached);
 
     clock.start(5);
-    let (masses, bones) = bone_masses(body, &node_skinning, recipe.density);
+    let (masses, mut bones) = bone_masses(body, &node_skinning, recipe.density);
+    let loads = BoneLoads::of(body);
     let seconds = clock.finish();
 
     let material =
         (recipe.material).unwrap_or_else(|| automatic::material(&softness, recipe.density));
     let mut skeleton = body.skeleton.clone();
     set_limits(&mut skeleton, &recipe.limits).map_err(of_recipe)?;
-    let avatar = Avatar {
+    let mut avatar = Avatar {
         name: body.name.clone(),
         skeleton,
         joints: body.joints.clone(),
@@ -198,25 +199,29 @@ fn bake_phases(
         bodies: Vec::new(),
         body_slots: 0,
     };
+    let mut handle_report = HandleReport::new(
+        body,
+        &avatar.handles,
+        handles.per_region,
+        recipe.handles.is_empty(),
+    );
+    drop_bones(&mut avatar, &loads.anything)?;
+    retain(&mut bones.masses, &loads.anything);
+    retain(&mut handle_report.per_bone, &loads.anything);
     avatar.validate()?;
     mesh_report.quality = quality;
     let (low, high) = body.skin.bounds();
     let report = BakeReport {
         name: avatar.name.clone(),
         extent: (high - low).to_array(),
-        bone_names: body.skeleton.names.clone(),
+        bone_names: avatar.skeleton.names.clone(),
         skin_vertices: body.skin.positions.len(),
         skin_triangles: body.skin.triangles.len(),
         attachments: AttachmentReport::of(body, &avatar.attached),
         mesh: mesh_report,
         free_nodes: fixed.iter().filter(|f| !**f).count(),
         deep: softness.deep,
-        handles: HandleReport::new(
-            body,
-            &avatar.handles,
-            handles.per_region,
-            recipe.handles.is_empty(),
-        ),
+        handles: handle_report,
         basis: BasisReport {
             linear_precision,
             loose_tets,

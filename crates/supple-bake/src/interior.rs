@@ -137,12 +137,25 @@ impl<'a> InteriorField<'a> {
                 .sum()
         };
         let on_bone = |bone: usize, owner: u32| f64::from(u8::from(owner as usize == bone));
-        let fields = self.extend(bones, on_skin, on_bone, |_, u| u.to_vec());
+        // A field is as long as the mesh: none for a bone that is nowhere.
+        let mut is_used = vec![false; bones];
+        let weighted = skinning.entries().iter().filter(|w| w.weight != 0.0);
+        let held = self.bone_of_node.iter().flatten();
+        for bone in weighted.map(|w| w.bone).chain(held.copied()) {
+            is_used[bone as usize] = true;
+        }
+        let used: Vec<usize> = (0..bones).filter(|&bone| is_used[bone]).collect();
+        let fields = self.extend(
+            used.len(),
+            |field, vertex| on_skin(used[field], vertex),
+            |field, owner| on_bone(used[field], owner),
+            |_, u| u.to_vec(),
+        );
         let rows: Result<Vec<Vec<SkinWeight>>> = (0..self.held.role.len())
             .map(|n| {
-                let row = (fields.iter().enumerate())
+                let row = (used.iter().zip(&fields))
                     .filter(|(_, field)| field[n] > 0.0)
-                    .map(|(bone, field)| SkinWeight {
+                    .map(|(&bone, field)| SkinWeight {
                         bone: bone as u32,
                         weight: field[n],
                     })

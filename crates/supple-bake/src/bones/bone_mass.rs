@@ -1,6 +1,7 @@
 //! Mass and second moments of the bones.
 
 use super::core_volume::core_samples;
+use super::loads::BoneLoads;
 use crate::body::Body;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -25,7 +26,8 @@ const LEAST_SHARE: f64 = 0.01;
 
 /// The mass of every bone of `body`: of its closed surface where it has one, and for the others the
 /// core (inside the skin, outside the layer and those surfaces) shared out by the weights of the
-/// nearest node that a bone holds. `density` in kg/m³.
+/// nearest node that a bone holds. `density` in kg/m³. Bones on and below which only attached parts hang, or nothing, have
+/// none: what drives the others carries them.
 pub fn bone_masses(
     body: &Body,
     node_skinning: &Rows<SkinWeight>,
@@ -57,10 +59,12 @@ pub fn bone_masses(
         }
     }
     let total: f64 = masses.iter().map(BoneMass::mass).sum();
+    let loaded = BoneLoads::of(body).mass;
+    let count = loaded.iter().filter(|l| **l).count();
     // Nothing at all is known: a litre's worth of density keeps the system regular.
-    let mean = if total > 0.0 { total } else { density * 1e-3 } / joints.len() as f64;
+    let mean = if total > 0.0 { total } else { density * 1e-3 } / count as f64;
     let mut raised = 0;
-    for bone in &mut masses {
+    for (bone, _) in masses.iter_mut().zip(loaded).filter(|(_, loaded)| *loaded) {
         if bone.mass() < LEAST_SHARE * mean {
             *bone = ball(LEAST_SHARE * mean, density);
             raised += 1;

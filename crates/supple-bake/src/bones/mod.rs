@@ -3,6 +3,8 @@
 mod bone_mass;
 mod core_volume;
 mod limits;
+mod loads;
 
 pub use bone_mass::{BoneMassReport, bone_masses};
 pub use limits::{JointLimitKey, set_limits};
+pub(crate) use loads::{BoneLoads, drop_bones, retain};

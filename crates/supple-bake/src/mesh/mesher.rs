@@ -2,6 +2,7 @@
 
 use super::{LatticeSize, MeshReport, ShellOptions, mesh_lattice, mesh_shell};
 use crate::body::Body;
+use crate::bones::BoneLoads;
 use serde::{Deserialize, Serialize};
 use supple::Result;
 use supple::model::Skeleton;
@@ -12,7 +13,8 @@ use supple::model::Skeleton;
 pub enum Mesher {
     /// A lattice of 20,000 nodes where bone surfaces are given and in hands, a prism shell of default
     /// depth in other bodies. A hand is a skeleton in which chains from the children of one bone, four of
-    /// them or more, each of three bones or more without a branch, hold three quarters of all bones.
+    /// them or more, each of three bones or more without a branch, hold three quarters of all bones; bones
+    /// below which no skin hangs do not count.
     #[default]
     Auto,
     /// A lattice between the skin and the surfaces of the bones; capsules from joints and skin weights
@@ -40,7 +42,7 @@ impl Mesher {
                 let given = body.bone_surfaces.iter().any(|b| !b.triangles.is_empty());
                 if given {
                     mesh_lattice(body, size, "chosen for its bone surfaces")
-                } else if is_hand(&body.skeleton) {
+                } else if is_hand(&body.skeleton, &BoneLoads::of(body).mass) {
                     mesh_lattice(body, size, "chosen for a hand")
                 } else {
                     mesh_shell(body, &ShellOptions::default(), "chosen for a body")
@@ -57,12 +59,12 @@ const FINGERS: usize = 4;
 const FINGER_BONES: usize = 3;
 const IN_FINGERS: f64 = 0.75;
 
-/// Whether chains from the children of one bone make up the skeleton.
-fn is_hand(skeleton: &Skeleton) -> bool {
+/// Whether chains from the children of one bone make up the skeleton, as far as its bones are `loaded`.
+fn is_hand(skeleton: &Skeleton, loaded: &[bool]) -> bool {
     let mut children = vec![Vec::new(); skeleton.len()];
     for (j, parent) in skeleton.parents.iter().enumerate() {
-        if let Some(p) = parent {
-            children[*p as usize].push(j);
+        if let Some(p) = parent.filter(|_| loaded[j]) {
+            children[p as usize].push(j);
         }
     }
     // Bones of the unbranched chain from `first` to its end.
@@ -73,12 +75,13 @@ fn is_hand(skeleton: &Skeleton) -> bool {
         }
         children[last].is_empty().then_some(count)
     };
+    let count = loaded.iter().filter(|l| **l).count();
     children.iter().any(|fingers| {
         let chains: Vec<usize> = (fingers.iter())
             .filter_map(|&f| chain(f))
             .filter(|&count| count >= FINGER_BONES)
             .collect();
         let bones = chains.iter().sum::<usize>() as f64;
-        chains.len() >= FINGERS && bones >= IN_FINGERS * skeleton.len() as f64
+        chains.len() >= FINGERS && bones >= IN_FINGERS * count as f64
     })
 }

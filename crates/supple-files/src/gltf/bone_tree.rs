@@ -69,4 +69,16 @@ impl BoneTree {
             parents,
         })
     }
+
+    /// Number of bones that are one of `bones` or above one.
+    pub fn count_above(&self, bones: impl Iterator<Item = u32>) -> usize {
+        let mut above: BTreeSet<u32> = BTreeSet::new();
+        for bone in bones {
+            let mut next = Some(bone);
+            while let Some(b) = next.filter(|b| above.insert(*b)) {
+                next = self.parents[b as usize];
+            }
+        }
+        above.len()
+    }
 }

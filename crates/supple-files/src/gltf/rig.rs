@@ -22,8 +22,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use supple::Result;
 use supple::model::{Frame, Skeleton};
 
-/// More bones than any character has; each has six degrees of freedom.
+/// More bones than any character has on or below which something hangs; each has six degrees of freedom.
 const MOST_BONES: usize = 1024;
+
+/// More joints than any character has, with those that move nothing.
+const MOST_JOINTS: usize = 8192;
 
 /// The bones of a file.
 #[derive(Debug)]
@@ -83,8 +86,8 @@ impl Rig {
                 weight[joints.map_or(0, |j| j[joint as usize])] += w;
             }
         }
-        if is_joint.len() > MOST_BONES {
-            let problem = format!("{} bones; {MOST_BONES} at most are read", is_joint.len());
+        if is_joint.len() > MOST_JOINTS {
+            let problem = format!("{} joints; {MOST_JOINTS} at most are read", is_joint.len());
             return Err(file.broken("skins", problem));
         }
         let tree = BoneTree::new(file, nodes, &is_joint, &weight);
@@ -94,6 +97,16 @@ impl Rig {
         let mut bone_of_node = vec![None; nodes.parents.len()];
         for (bone, &n) in tree.nodes.iter().enumerate() {
             bone_of_node[n] = Some(bone as u32);
+        }
+        let hanging = parts.iter().filter(|p| p.skin.is_none());
+        let hanging = hanging.filter_map(|p| nodes.upward(p.node).find_map(|n| bone_of_node[n]));
+        let weighted = (0..).zip(&tree.nodes).filter(|(_, n)| weight[**n] > 0.0);
+        let loaded = tree.count_above(weighted.map(|(bone, _)| bone).chain(hanging));
+        if loaded > MOST_BONES {
+            let problem = format!(
+                "{loaded} bones move something or are above one that does; {MOST_BONES} at most are read: merge bones"
+            );
+            return Err(file.broken("skins", problem));
         }
         for &n in &tree.nodes {
             let world = nodes.rest_world[n].matrix3;

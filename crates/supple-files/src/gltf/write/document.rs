@@ -7,7 +7,7 @@ use crate::{BODY_COLOUR, from_srgb, solid_surface};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::path::Path;
-use supple::model::{Avatar, Frame, RigidBody, Surface, UpAxis};
+use supple::model::{Avatar, Frame, JointBone, RigidBody, Surface, UpAxis};
 use supple::{Error, Result};
 
 /// What was written.
@@ -41,6 +41,7 @@ pub fn write_glb(
         "name": "world", "rotation": quaternion(upright).to_vec(), "children": [],
     }));
     let bones = file.skeleton(avatar, recording, world);
+    file.riding_joints(avatar, &bones);
     file.skin(avatar, &morphs, &bones);
     for (body, node) in avatar.bodies.iter().zip(&bones[avatar.bones()..]) {
         file.body(body, *node);
@@ -119,6 +120,18 @@ impl Document {
         self.animate(node, "rotation", rotations);
         let positions = self.buffer.floats("VEC3", &positions);
         self.animate(node, "translation", positions);
+    }
+
+    /// A node for each joint that rides on a bone, where the bone has it. Like those of bones they have the axes of the
+    /// reference shape.
+    fn riding_joints(&mut self, avatar: &Avatar, bones: &[usize]) {
+        for joint in avatar.joints.joints() {
+            if let JointBone::RidesOn(bone) = joint.bone {
+                let place = floats(joint.bind.translation).to_vec();
+                let node = json!({"name": joint.name, "translation": place});
+                self.child(bones[bone as usize], node);
+            }
+        }
     }
 
     /// A node for each bone, animated relative to its parent.

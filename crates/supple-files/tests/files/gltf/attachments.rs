@@ -9,6 +9,7 @@ use supple::collider::{Collider, Shape};
 use supple::model::{Frame, UpAxis};
 use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation};
+use supple::skeleton::{Spring, Tracking};
 use supple_bake::{Attachment, Body, Recipe, bake, from_bytes, full_space, to_bytes};
 use supple_files::{Recording, parse_gltf, write_glb};
 
@@ -247,4 +248,144 @@ fn attachments_touch_nothing() {
         let report = simulation.step_blocking().unwrap().instances.remove(0);
         assert_eq!(report.contacts > 0, touches, "{} contacts", report.contacts);
     }
+}
+
+#[test]
+fn bones_of_hair_are_carried_and_have_no_forces() {
+    let body = check_rest(&dressed().glb());
+    let (avatar, _) = bake(&body, &Recipe::default(), &mut |_| ()).unwrap();
+    let carried: Vec<bool> = (0..avatar.skeleton.len())
+        .map(|j| avatar.is_carried(j))
+        .collect();
+    assert_eq!(carried, [false, false, false, true]);
+    let simulation = |avatar: &supple::model::Avatar| {
+        let potential = CpuPotential::new(Arc::new(avatar.clone()), 1).unwrap();
+        Simulation::new(avatar, potential, Settings::default()).unwrap()
+    };
+    // The same bar without tress, and so without its bone.
+    let mut bare = body.clone();
+    bare.attachments.retain(|a| a.name != "tress");
+    bare.render_meshes.clear();
+    let (bare, _) = bake(&bare, &Recipe::default(), &mut |_| ()).unwrap();
+    assert_eq!(bare.skeleton.len(), 3);
+
+    // Falling, and then drawn to targets of which the tress' is turned against its parent's.
+    let (mut worn, mut plain) = (simulation(&avatar), simulation(&bare));
+    let local = |frames: &[Frame]| frames[2].rotation.transpose() * frames[3].rotation;
+    for step in 0..20 {
+        let turned = DMat4::from_quat(DQuat::from_rotation_x(0.7));
+        let turn = glam::DMat3::from_mat4(turned);
+        for simulation in [&mut worn, &mut plain].into_iter().filter(|_| step >= 10) {
+            let instance = &mut simulation.instances_mut()[0];
+            let frames = instance.state.frames.clone();
+            let target = |(bone, frame): (usize, &Frame)| {
+                let mut frame = Frame {
+                    position: frame.position + DVec3::Z * 0.01,
+                    ..*frame
+                };
+                if bone == 3 {
+                    frame.rotation = frames[2].rotation * turn;
+                }
+                let rotation = Some(Spring {
+                    stiffness: 50.0,
+                    damping: 0.5,
+                });
+                let position = Some(Spring {
+                    stiffness: 500.0,
+                    damping: 5.0,
+                });
+                Tracking {
+                    rotation,
+                    position,
+                    ..Tracking::new(bone, frame)
+                }
+            };
+            instance.targets = frames.iter().enumerate().map(target).collect();
+        }
+        let [a, b] = [&mut worn, &mut plain].map(|s| {
+            s.step_blocking().unwrap();
+            s.instances()[0].state.clone()
+        });
+        // Nothing that has mass knows of the tress.
+        assert_eq!((&a.frames[..3], &a.handles), (&b.frames[..], &b.handles));
+        let expected = if step < 10 {
+            glam::DMat3::IDENTITY
+        } else {
+            turn
+        };
+        assert!(local(&a.frames).abs_diff_eq(expected, 1e-9), "step {step}");
+        let offset = avatar.skeleton.joints[3] - avatar.skeleton.joints[2];
+        let joint = a.frames[2].transform(offset);
+        let gap = joint.distance(a.frames[3].position);
+        assert!(gap < 1e-9, "step {step}: {gap}");
+    }
+}
+
+#[test]
+fn joints_that_carry_nothing_ride() {
+    let mut file = bar_file(&BarFile::default());
+    let mut joints = vec![1, 2, 3];
+    for k in 0..40 {
+        let parent = if k % 5 == 0 {
+            3
+        } else {
+            *joints.last().unwrap()
+        };
+        let place = json!({"name": format!("extra {k}"), "translation": [0, 0.01, 0]});
+        let node = file.push("nodes", place);
+        match file.json["nodes"][parent]["children"].as_array_mut() {
+            Some(children) => children.push(json!(node)),
+            None => file.json["nodes"][parent]["children"] = json!([node]),
+        }
+        joints.push(node);
+    }
+    let bind = joint_worlds(DAffine3::IDENTITY, &[DQuat::IDENTITY; BONES]);
+    let below =
+        |k: usize| bind[2] * DAffine3::from_translation(DVec3::Y * 0.01 * (k % 5 + 1) as f64);
+    let worlds: Vec<DAffine3> = bind.into_iter().chain((0..40).map(below)).collect();
+    let inverse: Vec<DMat4> = worlds.iter().map(|w| w.inverse().into()).collect();
+    let inverse = file.matrices(&inverse);
+    file.json["skins"][0] = json!({"joints": joints, "inverseBindMatrices": inverse});
+
+    let of = |file: &Fixture| {
+        let body = parse_gltf(&file.glb(), "bar.glb")
+            .unwrap()
+            .body(&[])
+            .unwrap();
+        bake(&body, &Recipe::default(), &mut |_| ()).unwrap().0
+    };
+    let (many, plain) = (of(&file), of(&bar_file(&BarFile::default())));
+    assert_eq!(many.joints.len(), 43);
+    assert_eq!(many.skeleton.names, plain.skeleton.names);
+    // They stand where the file has them, and are taken as well.
+    let mut matrices = Vec::new();
+    many.joints
+        .joint_matrices(&many.rest_state().frames, &mut matrices)
+        .unwrap();
+    for (found, expected) in matrices.iter().zip(&worlds) {
+        let distance = found
+            .as_dmat4()
+            .w_axis
+            .truncate()
+            .distance(expected.translation);
+        assert!(distance < 1e-6, "{distance}");
+    }
+    let mut frames = Vec::new();
+    many.joints
+        .frames_from_world(&many.skeleton, &matrices, &mut frames)
+        .unwrap();
+    assert_eq!(frames.len(), 3);
+
+    // A motion of it has a node for each joint.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.glb");
+    let recording = Recording {
+        times: vec![0.0],
+        states: vec![many.rest_state()],
+        ..Recording::default()
+    };
+    write_glb(&many, &recording, &path).unwrap();
+    let written = gltf::Gltf::open(&path).unwrap();
+    let extra = |n: &gltf::Node<'_>| n.name().is_some_and(|name| name.starts_with("extra"));
+    assert_eq!(written.nodes().filter(extra).count(), 40);
 }

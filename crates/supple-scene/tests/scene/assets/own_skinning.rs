@@ -33,10 +33,13 @@ fn of_gltf(path: &Path, avatar: &Avatar) -> f64 {
     }
     let posed = file.world(&|n| local_rest(n) * DMat4::from_quat(turns[n.index()]));
     let rest = file.rest();
-    let in_rest = read_gltf(path).unwrap().rest;
-    let frames: Vec<Frame> = (avatar.skeleton.names.iter().zip(&in_rest))
-        .map(|(bone, in_rest)| {
+    let character = read_gltf(path).unwrap();
+    let of_file = character.body(&[]).unwrap().skeleton;
+    let frames: Vec<Frame> = (avatar.skeleton.names.iter())
+        .map(|bone| {
             let n = node(&file, bone);
+            // The avatar has those of the file's bones that carry something.
+            let in_rest = character.rest[of_file.find(bone).unwrap()];
             Frame {
                 rotation: rotation(posed[n]) * rotation(rest[n]).transpose() * in_rest.rotation,
                 position: posed[n].w_axis.truncate(),
