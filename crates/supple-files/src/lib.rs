@@ -27,7 +27,7 @@ mod tet_mesh;
 mod tissue;
 mod weld;
 
-pub use amass::{parse_amass, read_amass};
+pub use amass::{AmassOptions, parse_amass, read_amass, read_amass_with, read_betas};
 pub use bvh::{BvhOptions, bvh_text, parse_bvh, read_bvh, write_bvh};
 pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
 pub use colour::{BODY_COLOUR, Colour, from_srgb};

@@ -50,6 +50,7 @@ pub fn walk() -> MotionClip {
         world_up: UpAxis::Y,
         frame_time: STRIDE_TIME / FRAMES as f64,
         translated: vec![0],
+        notes: Vec::new(),
     }
 }
 

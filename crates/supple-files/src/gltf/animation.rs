@@ -195,6 +195,7 @@ impl<'a> Player<'a> {
             frame_time,
             frames: poses.iter().map(frame).collect(),
             translated: translated.into_iter().map(|j| j as u32).collect(),
+            notes: Vec::new(),
         }
     }
 }
