@@ -3,7 +3,7 @@
 use super::retarget::{player, smpl};
 use supple::glam::DVec3;
 use supple::model::Skeleton;
-use supple_files::{ClipOptions, MotionClip};
+use supple_files::{ClipOptions, MotionClip, read_character, read_gltf_motions};
 use supple_samples::walk;
 
 /// `skeleton` under a root on the floor.
@@ -114,4 +114,49 @@ fn a_joint_that_slides_is_told() {
     let mut headless = smpl();
     headless.names[15] = "antenna".into();
     assert_eq!(notes(slid("head", 0.07), &headless), [""; 0]);
+}
+
+/// A squat whose hips are the root, and one under a root on the floor; and a clip that slides a chest.
+#[test]
+fn recorded_roots_and_slides() {
+    let folder = std::path::Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/cases"
+    ));
+    if !folder.exists() {
+        eprintln!("skipped: {} is not there", folder.display());
+        return;
+    }
+    let own = |name: &str| {
+        let path = folder.join(name);
+        let skeleton = read_character(&path, &Default::default())
+            .unwrap()
+            .body
+            .skeleton;
+        let clip = read_gltf_motions(&path).unwrap().remove(0);
+        let hips = skeleton.find("hips").unwrap();
+        (player(clip, &skeleton, &ClipOptions::default()), hips)
+    };
+    let travel = |name: &str| {
+        let (player, hips) = own(name);
+        let heights = (0..=50).map(|k| {
+            let time = f64::from(k) / 50.0 * player.clip().duration();
+            player.frames(time)[hips].position.z
+        });
+        let ends = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
+            (z.min(low), z.max(high))
+        });
+        ends.1 - ends.0
+    };
+    let (plain, floor) = (
+        travel("hips_root_squat.glb"),
+        travel("floor_root_squat.glb"),
+    );
+    eprintln!("hips travel {plain} m, {floor} m");
+    assert!(
+        plain > 0.15 && (plain - floor).abs() < 1e-6,
+        "{plain}, {floor}"
+    );
+    let said = own("stretch_spine.glb").0.clip().notes.concat();
+    assert!(said.contains("chest by 70 mm"), "{said}");
 }
