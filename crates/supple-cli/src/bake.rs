@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Shape parameters of the person, in the model's order: 1.5,-0.3,…
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     shape: Vec<f64>,
+    /// The shape of the person that moves in this .npz (AMASS): its betas, as many as the model has.
+    #[arg(long, value_name = "FILE", conflicts_with = "shape")]
+    shape_of: Option<PathBuf>,
     /// The baked file [default: out/<FILE>.supple].
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -80,6 +83,11 @@ impl Arguments {
         if !self.shape.is_empty() {
             source
                 .set_shape(&self.shape)
+                .map_err(|e| name_file(e, &self.file))?;
+        }
+        if let Some(motion) = &self.shape_of {
+            source
+                .set_shape_of(motion)
                 .map_err(|e| name_file(e, &self.file))?;
         }
         Ok(source)

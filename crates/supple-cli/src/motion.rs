@@ -1,12 +1,14 @@
 //! `supple motion`.
 
-use super::terminal::{print, print_table};
+use super::terminal::{print, print_json, print_table};
 use glam::DVec3;
+use serde::Serialize;
 use std::path::PathBuf;
 use supple::model::{Frame, Skeleton, UpAxis};
 use supple::{Error, Result};
 use supple_files::{
-    BonePoses, MotionClip, PoseHeader, clip_as_poses, pose_header_line, pose_line, read_pose,
+    BoneMap, BonePoses, MotionClip, PoseHeader, clip_as_poses, pose_header_line, pose_line,
+    read_pose,
 };
 use supple_pictures::{Figure, motion_strip};
 use supple_scene::{Playback, TrackedMotion, avatar_source_of, read_motion};
@@ -35,6 +37,27 @@ pub struct Arguments {
     /// Which of a glTF file's animations.
     #[arg(long)]
     clip: Option<String>,
+    /// Frames a second, in place of what a .bvh or .npz says.
+    #[arg(long)]
+    rate: Option<f64>,
+    /// JSON in place of a table.
+    #[arg(long, conflicts_with = "jsonl")]
+    json: bool,
+}
+
+/// What is in a motion, and how an avatar follows it.
+#[derive(Serialize)]
+struct Contents<'a> {
+    name: Option<&'a str>,
+    frames: Option<usize>,
+    /// s.
+    frame_time: Option<f64>,
+    bones: &'a [String],
+    /// Which bones are mapped; without an avatar to itself.
+    map: &'a BoneMap,
+    /// Metres of the avatar's way for one of the motion's.
+    scale: f64,
+    notes: &'a [String],
 }
 
 impl Arguments {
@@ -42,6 +65,7 @@ impl Arguments {
     pub fn run(self) -> Result<()> {
         let motion = TrackedMotion {
             clip: self.clip.clone(),
+            rate: self.rate,
             ..TrackedMotion::of_file(&self.files[0])
         };
         let clip = read_motion(&motion)?;
@@ -53,7 +77,7 @@ impl Arguments {
                 "several make a stream: add --jsonl, and give that to simulate --motion -";
             return Err(Error::invalid("FILES", problem));
         }
-        if let Some(clip) = &clip {
+        if let Some(clip) = clip.as_ref().filter(|_| !self.json) {
             print_table([
                 ("motion", clip.name.clone()),
                 (
@@ -87,12 +111,23 @@ impl Arguments {
         let own_up = clip.as_ref().map(|c| c.rest_up);
         let avatar_up = (body.as_ref().map(|b| b.up).or(own_up)).unwrap_or_default();
         let mut playback = Playback::open(&motion, skeleton, avatar_up, UpAxis::Z)?;
-        if body.is_some() {
-            print(format_args!("{}", playback.retarget().map().summary()));
-            print(format_args!(
-                "scale of the way {:.4}",
-                playback.retarget().scale()
-            ));
+        let retarget = playback.retarget();
+        if self.json {
+            print_json(&Contents {
+                name: clip.as_ref().map(|c| c.name.as_str()),
+                frames: clip.as_ref().map(|c| c.frames.len()),
+                frame_time: clip.as_ref().map(|c| c.frame_time),
+                bones: clip.as_ref().map_or(&[], |c| &c.bones),
+                map: retarget.map(),
+                scale: retarget.scale(),
+                notes: playback.notes(),
+            })?;
+        } else {
+            print_table(playback.notes().iter().map(|note| ("note", note.clone())));
+            if body.is_some() {
+                print(format_args!("{}", retarget.map().summary()));
+                print(format_args!("scale of the way {:.4}", retarget.scale()));
+            }
         }
         let standing = Frame {
             rotation: playback.retarget().standing(),
@@ -116,9 +151,12 @@ impl Arguments {
         // From the front and the left of what faces −y.
         let view = DVec3::new(-0.8, 0.6, -0.15);
         motion_strip(&figure, &poses, view, DVec3::Z, [240, 420]).write_png(output)?;
-        print(format_args!("written to {}", output.display()));
+        if !self.json {
+            print(format_args!("written to {}", output.display()));
+        }
         Ok(())
     }
+
     /// A clip, or poses one after the other.
     fn write_lines(&self, clip: Option<MotionClip>) -> Result<()> {
         let (header, poses) = match clip {

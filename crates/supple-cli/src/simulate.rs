@@ -57,6 +57,9 @@ pub struct Arguments {
     /// `-` reads poses as JSON lines from standard input.
     #[arg(long, value_name = "FILE")]
     motion: Option<PathBuf>,
+    /// Frames a second of the motion, in place of what a .bvh or .npz says.
+    #[arg(long)]
+    rate: Option<f64>,
     /// Only the report: no pictures, no GLB file.
     #[arg(long)]
     no_pictures: bool,
@@ -77,6 +80,13 @@ impl Arguments {
                 None => TrackedMotion::of_file(file),
             });
         }
+        if let Some(rate) = self.rate {
+            let problem = "is of a motion, and the scene has none: give --motion";
+            let motion = scene.motion.as_mut();
+            motion
+                .ok_or_else(|| Error::invalid("--rate", problem))?
+                .rate = Some(rate);
+        }
         let mut avatar = load_avatar(&scene.avatar, &self.cache, &mut baking_if_needed())?;
         scene.dress(&mut avatar)?;
         let (avatar, mut run, backend) = if self.full_space {
@@ -90,6 +100,9 @@ impl Arguments {
         run.report.backend = backend;
         if let Some(map) = &run.bone_map {
             eprintln!("motion: {}", map.summary());
+        }
+        for note in &run.report.motion_notes {
+            eprintln!("motion: {note}");
         }
         let folder = self
             .output

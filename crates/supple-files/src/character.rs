@@ -1,13 +1,14 @@
 //! Any character file: what it is, and the body in it.
 
 use super::{
-    PartNames, SmplModel, read_gltf, read_obj, read_smpl_model, read_tets, separate_tissue,
+    PartNames, SmplModel, read_betas, read_gltf, read_obj, read_smpl_model, read_tets,
+    separate_tissue,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use supple::internal::math::Rows;
 use supple::model::{JointList, PoseBlend, Skeleton, SkinWeight, Surface, UpAxis};
 use supple::{Error, Result};
@@ -116,6 +117,8 @@ pub struct CharacterFile {
 pub struct CharacterOptions {
     /// Amounts of its shapes, in order; missing ones are 0, or the file's own default.
     pub betas: Vec<f64>,
+    /// A motion of AMASS whose person's shape an SMPL model takes, in place of `betas`: the first as many as it has.
+    pub betas_of: Option<PathBuf>,
     /// Bones that regions of tets are, by the file's labels.
     pub regions: BTreeMap<String, String>,
     /// Parts that are tissue or rigid, against what is chosen.
@@ -149,6 +152,11 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
         }
         Ok(())
     };
+    if options.betas_of.is_some() && format != CharacterFormat::Smpl {
+        let problem =
+            "the shape of a motion's person is for SMPL's models: give `betas` of this file's own";
+        return Err(Error::format(path, "betas_of", problem));
+    }
     let mut file = CharacterFile {
         format,
         body: skin_around_one_bone("", Vec::new()),
@@ -169,7 +177,16 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
             } = read_smpl_model(path)?;
             let directions = model.shape_directions.len();
             check_betas(directions)?;
-            file.body = Body::of_model(&name, &model, betas, Vec::new());
+            let mut betas = betas.clone();
+            if let Some(motion) = &options.betas_of {
+                betas = read_betas(motion)?;
+                let (given, used) = (betas.len(), betas.len().min(shapes));
+                betas.truncate(used);
+                let motion = motion.display();
+                let note = format!("its shape is that of {motion}: {used} of {given} betas");
+                file.notes.push(note);
+            }
+            file.body = Body::of_model(&name, &model, &betas, Vec::new());
             file.body.joints = JointList::of_bones_in_order(&file.body.skeleton, &file_order);
             file.separate(&options.parts).map_err(of_file)?;
             let called = |k: usize| match k.checked_sub(shapes) {

@@ -28,7 +28,7 @@ mod tissue;
 mod tissue_choice;
 mod weld;
 
-pub use amass::{parse_amass, read_amass};
+pub use amass::{AmassOptions, parse_amass, read_amass, read_amass_with, read_betas};
 pub use bvh::{BvhOptions, bvh_text, parse_bvh, read_bvh, write_bvh};
 pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
 pub use colour::{BODY_COLOUR, Colour, from_srgb};

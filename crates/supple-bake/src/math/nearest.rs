@@ -41,7 +41,7 @@ impl<'a> NearestPoint<'a> {
     pub fn nearest_within(&self, p: DVec3, most: f64) -> Option<(u32, f64)> {
         let outside = self.tree.root().envelope().distance_2(&p.to_array());
         // An empty tree's box is at no distance.
-        if !(outside <= most * most) {
+        if outside.is_nan() || outside > most * most {
             return None;
         }
         self.nearest(p).filter(|(_, distance)| *distance <= most)

@@ -6,6 +6,7 @@
 //! that write such channels on inner joints.
 
 use crate::file;
+use crate::motion::figure::is_figure;
 use crate::motion::{MotionClip, MotionFrame, Unit};
 use glam::{DQuat, DVec3};
 use std::collections::HashSet;
@@ -37,7 +38,11 @@ pub fn parse_bvh(text: &str, path: &Path, options: &BvhOptions) -> Result<Motion
     let unit = options.unit.as_ref().map_or(Ok(0.01), Unit::metres)?;
     let mut lines = Lines::new(text, path);
     let skeleton = Hierarchy::parse(&mut lines)?;
-    let (frame_time, rows) = motion(&mut lines, skeleton.channels)?;
+    let Rows {
+        frame_time,
+        numbers,
+        notes,
+    } = Rows::parse(&mut lines, skeleton.channels)?;
     let translated: Vec<u32> = (skeleton.joints.iter().zip(0..))
         .filter(|(joint, _)| joint.channels.iter().any(|c| !c.turns))
         .map(|(_, j)| j)
@@ -50,23 +55,23 @@ pub fn parse_bvh(text: &str, path: &Path, options: &BvhOptions) -> Result<Motion
             .map_or(DVec3::ZERO, |p| rest_joints[p as usize]);
         rest_joints.push(parent + unit * joint.offset);
     }
-    let up = options.up.unwrap_or_else(|| higher_axis(&rest_joints));
-    let clip = MotionClip {
+    let mut clip = MotionClip {
         name: path
             .file_stem()
             .map_or_else(|| "motion".into(), |s| s.to_string_lossy().into_owned()),
         bones: joints.iter().map(|j| j.name.clone()).collect(),
         parents: joints.iter().map(|j| j.parent).collect(),
         rest_joints: Some(rest_joints),
-        rest_up: up,
-        world_up: up,
         frame_time,
-        frames: (rows.chunks_exact(skeleton.channels.max(1)))
+        frames: (numbers.chunks_exact(skeleton.channels.max(1)))
             .map(|row| frame(joints, &translated, row, unit))
             .collect(),
         translated,
-        notes: Vec::new(),
+        notes,
+        ..MotionClip::default()
     };
+    let up = options.up.unwrap_or_else(|| higher_axis(&clip));
+    (clip.rest_up, clip.world_up) = (up, up);
     clip.validate().map_err(|e| e.of_file(path))?;
     Ok(clip)
 }
@@ -93,11 +98,22 @@ fn frame(joints: &[Joint], translated: &[u32], row: &[f64], unit: f64) -> Motion
     frame
 }
 
-/// y, or z where the joints reach half as far again along it. Arms held out do not count: they go along x.
-fn higher_axis(joints: &[DVec3]) -> UpAxis {
-    let low = joints.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
-    let high = joints.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));
-    let extent = high - low;
+/// y, or z where the joints reach half as far again along it. Arms held out do not count: they go along x. Where the
+/// zero pose is no figure, it is the poses that reach.
+fn higher_axis(clip: &MotionClip) -> UpAxis {
+    let extent = |joints: &[DVec3]| {
+        let low = joints.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
+        let high = joints.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));
+        high - low
+    };
+    let posed = |frame: &MotionFrame| {
+        let joints = clip.world_frames(frame).into_iter().map(|f| f.position);
+        extent(&joints.collect::<Vec<_>>())
+    };
+    let extent = match &clip.rest_joints {
+        Some(rest) if is_figure(&clip.bones, rest) => extent(rest),
+        _ => clip.spread_frames().map(posed).sum(),
+    };
     if extent.z > 1.5 * extent.y {
         UpAxis::Z
     } else {
@@ -228,31 +244,55 @@ fn unique(name: String, taken: &mut HashSet<String>) -> String {
     candidate
 }
 
-/// From `Frames:` on: seconds a frame, and all the numbers.
-fn motion(lines: &mut Lines<'_>, channels: usize) -> Result<(f64, Vec<f64>)> {
-    let announced = lines.entry("Frames")?;
-    let frame_time = lines.entry("Frame Time")?;
-    if frame_time <= 0.0 {
-        return Err(lines.broken("Frame Time must be positive (s)"));
-    }
-    let mut numbers = Vec::new();
-    while let Some(line) = lines.next() {
-        for word in line.split_whitespace() {
-            numbers.push(lines.number(word)?);
+/// What stands from `Frames:` on.
+struct Rows {
+    /// s.
+    frame_time: f64,
+    /// Those of whole frames, one after the other.
+    numbers: Vec<f64>,
+    notes: Vec<String>,
+}
+
+impl Rows {
+    /// The frames that are there count, whatever is announced: some exporters count one too few or too many, and
+    /// who cuts a clip seldom mends `Frames:`. A torn frame says that the file was cut by accident.
+    fn parse(lines: &mut Lines<'_>, channels: usize) -> Result<Self> {
+        let announced = lines.entry("Frames")?;
+        if announced < 0.0 || announced.fract() != 0.0 {
+            return Err(lines.broken("Frames must be a whole number"));
         }
+        let frame_time = lines.entry("Frame Time")?;
+        if frame_time <= 0.0 {
+            return Err(lines.broken("Frame Time must be positive (s)"));
+        }
+        let mut numbers = Vec::new();
+        while let Some(line) = lines.next() {
+            for word in line.split_whitespace() {
+                numbers.push(lines.number(word)?);
+            }
+        }
+        let (Some(frames), Some(left)) = (
+            numbers.len().checked_div(channels),
+            numbers.len().checked_rem(channels),
+        ) else {
+            return Err(lines.broken("no joint has channels: nothing moves"));
+        };
+        if frames == 0 || left > 0 {
+            let problem = format!(
+                "{announced} frames of {channels} numbers are announced, {} numbers are there: {frames} frames and \
+                 {left} numbers of another; take out the torn line",
+                numbers.len()
+            );
+            return Err(lines.broken(problem));
+        }
+        let notes = (frames as f64 != announced)
+            .then(|| format!("Frames: announces {announced} frames, {frames} are there and read"));
+        Ok(Self {
+            frame_time,
+            numbers,
+            notes: notes.into_iter().collect(),
+        })
     }
-    if channels == 0
-        || numbers.len() % channels != 0
-        || (numbers.len() / channels) as f64 != announced
-    {
-        let problem = format!(
-            "{announced} frames of {channels} numbers are announced, {} numbers are there; mend Frames: \
-             if the file was cut short",
-            numbers.len()
-        );
-        return Err(lines.broken(problem));
-    }
-    Ok((frame_time, numbers))
 }
 
 /// The lines that are not empty, and the number of the last one taken.

@@ -1,10 +1,12 @@
 //! A recorded clip, played on an avatar.
 
+use super::figure::is_figure;
 use super::ground::GroundMove;
 use super::pose::BonePose;
-use super::retarget::{Retarget, RetargetOptions, SourceSkeleton};
+use super::retarget::{Align, Retarget, RetargetOptions, SourceSkeleton};
+use super::slides::slides;
 use super::smpl::rest_joint;
-use crate::motion::motion_clip::MotionClip;
+use crate::motion::motion_clip::{MotionClip, MotionFrame};
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use supple::model::{Frame, Skeleton};
@@ -72,7 +74,7 @@ impl ClipPlayer {
     ///
     /// # Errors
     /// [`Error::Invalid`] of the clip, the options, or bones that cannot be mapped.
-    pub fn new(clip: MotionClip, skeleton: &Skeleton, options: &ClipOptions) -> Result<Self> {
+    pub fn new(mut clip: MotionClip, skeleton: &Skeleton, options: &ClipOptions) -> Result<Self> {
         clip.validate()?;
         let duration = clip.duration();
         if !(0.0..=duration).contains(&options.start) {
@@ -82,13 +84,29 @@ impl ClipPlayer {
         if !(options.speed > 0.0 && options.speed.is_finite()) {
             return Err(Error::invalid("speed", "must be positive"));
         }
+        // Who says what the rest pose is knows it.
+        let stated = options.rest_frame.is_some() || options.retarget.align == Align::None;
+        let rest = clip.rest_joints.as_ref().filter(|_| !stated);
+        let figure = rest.is_none_or(|rest| is_figure(&clip.bones, rest));
         let source = SourceSkeleton {
             names: clip.bones.clone(),
-            rest_joints: rest_joints(&clip, skeleton),
+            // A zero pose that is no figure says nothing about the rest.
+            rest_joints: match figure {
+                true => rest_joints(&clip, skeleton),
+                false => vec![None; clip.bones.len()],
+            },
             rest_up: Some(clip.rest_up),
             world_up: Some(clip.world_up),
         };
         let mut retarget = Retarget::new(&source, skeleton, &options.retarget)?;
+        if !figure {
+            let poses: Vec<_> = (clip.spread_frames().map(|f| bone_poses(&clip, f))).collect();
+            retarget.fit_rest(&poses, options.retarget.scale.is_none());
+            clip.notes.push(format!(
+                "its zero pose is no figure, as where local axes lie along the bones: aligned by {} of its poses",
+                poses.len()
+            ));
+        }
         if let Some(n) = options.rest_frame {
             let frame = clip.frames.get(n).ok_or_else(|| {
                 let problem = format!("{n} is beyond the clip's {} frames", clip.frames.len());
@@ -96,6 +114,8 @@ impl ClipPlayer {
             })?;
             retarget.rest_at(&bone_poses(&clip, frame));
         }
+        let slides = slides(&clip, &followed(&clip, &retarget), figure);
+        clip.notes.extend(slides);
         let mut player = Self {
             retarget,
             skeleton: skeleton.clone(),
@@ -238,9 +258,33 @@ fn rest_joints(clip: &MotionClip, skeleton: &Skeleton) -> Vec<Option<DVec3>> {
     }
 }
 
+/// For each bone of the clip: whether its place counts, that of what drives the avatar's root and of what is above
+/// it, or moves nothing of the avatar.
+fn followed(clip: &MotionClip, retarget: &Retarget) -> Vec<bool> {
+    let count = clip.bones.len();
+    let mut moves = vec![false; count];
+    for &(s, _) in &retarget.map().pairs {
+        moves[s] = true;
+    }
+    for j in (0..count).rev() {
+        if let Some(p) = clip.parents[j].filter(|_| moves[j]) {
+            moves[p as usize] = true;
+        }
+    }
+    let root = retarget.root();
+    let mut above = (retarget.map().pairs.iter())
+        .find(|pair| Some(pair.1) == root)
+        .map(|pair| pair.0);
+    while let Some(j) = above {
+        moves[j] = false;
+        above = clip.parents[j].map(|p| p as usize);
+    }
+    moves.into_iter().map(|m| !m).collect()
+}
+
 /// What a frame of a clip says of each bone: its rotation, and its place where the rest pose is known or
 /// the bone is a root that moves.
-fn bone_poses(clip: &MotionClip, frame: &crate::motion::motion_clip::MotionFrame) -> Vec<BonePose> {
+fn bone_poses(clip: &MotionClip, frame: &MotionFrame) -> Vec<BonePose> {
     let rotations = clip.world_rotations(frame);
     let placed = |j: usize| {
         clip.rest_joints.is_some()

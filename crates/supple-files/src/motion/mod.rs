@@ -3,6 +3,7 @@
 
 mod bone_map;
 mod clip_player;
+pub(crate) mod figure;
 mod fit;
 mod ground;
 mod mirror;
@@ -10,7 +11,9 @@ mod motion_clip;
 mod names;
 mod pose;
 mod pose_player;
+mod rest_fit;
 mod retarget;
+mod slides;
 pub mod smpl;
 mod unit;
 

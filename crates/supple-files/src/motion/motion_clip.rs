@@ -39,7 +39,7 @@ pub struct MotionClip {
     pub translated: Vec<u32>,
     /// At least one.
     pub frames: Vec<MotionFrame>,
-    /// What was decided about the file and a person may want to know, a sentence each.
+    /// What was decided about its file, and what of it an avatar cannot follow; a sentence each.
     pub notes: Vec<String>,
 }
 
@@ -52,6 +52,13 @@ impl MotionClip {
     /// Time from the first frame to the last, s.
     pub fn duration(&self) -> f64 {
         self.frame_time * self.frames.len().saturating_sub(1) as f64
+    }
+
+    /// At most 100 of its frames, spread over all of it.
+    pub(crate) fn spread_frames(&self) -> impl Iterator<Item = &MotionFrame> {
+        self.frames
+            .iter()
+            .step_by(self.frames.len().div_ceil(100).max(1))
     }
 
     /// The pose at `time`, s from the first frame: translations interpolated linearly, rotations along

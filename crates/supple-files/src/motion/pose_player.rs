@@ -1,9 +1,10 @@
 //! A stream of poses, played on an avatar as it comes in.
 
 use super::clip_player::Origin;
+use super::figure::is_figure;
 use super::ground::GroundMove;
 use super::pose::{BonePose, BonePoses, PoseHeader};
-use super::retarget::{Retarget, RetargetOptions, SourceSkeleton};
+use super::retarget::{Align, Retarget, RetargetOptions, SourceSkeleton};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use supple::model::{Frame, Skeleton};
@@ -53,13 +54,21 @@ impl PosePlayer {
         options: &PoseOptions,
     ) -> Result<Self> {
         let names: BTreeMap<String, usize> = (first.bones.keys().cloned().zip(0..)).collect();
+        let rest_joints = names.keys().map(|n| header.rest.get(n)?.position);
+        let mut rest_joints: Vec<Option<DVec3>> = rest_joints.collect();
+        let bones: Vec<String> = names.keys().cloned().collect();
+        let known: Option<Vec<DVec3>> = rest_joints.iter().copied().collect();
+        let figure = options.retarget.align == Align::None
+            || known.is_none_or(|rest| is_figure(&bones, &rest));
+        if !figure {
+            // It says nothing about the rest; the first pose does.
+            rest_joints.fill(None);
+        }
         let source = SourceSkeleton {
-            rest_joints: (names.keys())
-                .map(|n| header.rest.get(n)?.position)
-                .collect(),
+            rest_joints,
             rest_up: header.up.filter(|_| !header.rest.is_empty()),
             world_up: header.up,
-            names: names.keys().cloned().collect(),
+            names: bones,
         };
         let unknown = vec![BonePose::default(); names.len()];
         let mut player = Self {
@@ -78,6 +87,11 @@ impl PosePlayer {
             names,
         };
         player.add(first)?;
+        if !figure {
+            let poses = [player.after.1.clone()];
+            let resize = options.retarget.scale.is_none();
+            player.retarget.fit_rest(&poses, resize);
+        }
         player.before = player.after.clone();
         Ok(player)
     }

@@ -74,17 +74,19 @@ pub struct SourceSkeleton {
 /// turns as the motion does. Poses of joints without rotations are fitted by the avatar's own bones.
 #[derive(Clone, Debug)]
 pub struct Retarget {
-    skeleton: Skeleton,
+    pub(super) skeleton: Skeleton,
     map: BoneMap,
     /// For each bone of the avatar: what drives it, and what follows it in the motion alone.
-    source: Vec<Option<usize>>,
+    pub(super) source: Vec<Option<usize>>,
     tip: Vec<Option<usize>>,
-    parts: Vec<Option<BodyPart>>,
+    pub(super) parts: Vec<Option<BodyPart>>,
+    /// The bone whose place follows the motion.
+    root: Option<usize>,
     /// C.
-    world: DMat3,
+    pub(super) world: DMat3,
     /// A⁻¹ D_j.
-    rest: Vec<DMat3>,
-    scale: f64,
+    pub(super) rest: Vec<DMat3>,
+    pub(super) scale: f64,
     standing: DMat3,
     up: DVec3,
 }
@@ -110,6 +112,7 @@ impl Retarget {
         map.pairs.iter().for_each(|&(s, t)| drives[t] = Some(s));
         let parts = skeleton_parts(skeleton);
         let mut this = Self {
+            root: root(skeleton, &parts, &drives),
             tip: tips(source, &map, &drives),
             source: drives,
             world: source
@@ -138,24 +141,13 @@ impl Retarget {
             return Ok(this);
         }
         // A from the mapped joints about their centres.
-        let known: Vec<(DVec3, DVec3)> = (skeleton.joints.iter().zip(&places))
-            .filter_map(|(j, p)| Some(((*p)?, *j)))
-            .collect();
-        let middle = known.iter().fold((DVec3::ZERO, DVec3::ZERO), |sum, k| {
-            (sum.0 + k.0, sum.1 + k.1)
-        });
-        let count = known.len() as f64;
-        let centred: Vec<(DVec3, DVec3)> = known
-            .iter()
-            .map(|k| (k.0 - middle.0 / count, k.1 - middle.1 / count))
-            .collect();
-        let whole = best_rotation(&centred).map_or(DMat3::IDENTITY, snapped);
+        let whole = best_rotation(&centred(skeleton, &places)).map_or(DMat3::IDENTITY, snapped);
         let seen_up = source.rest_up.map(|rest| whole * rest.direction());
         if let Some(own) = own_up.or(seen_up) {
             this.standing = swing(own, options.up);
         }
         if options.scale.is_none() {
-            this.scale = this.relative_size(&places, &centred);
+            this.scale = this.relative_size(&places);
         }
         let aligned = match options.align {
             Align::None => vec![DMat3::IDENTITY; skeleton.len()],
@@ -219,14 +211,22 @@ impl Retarget {
             .map(|(j, _)| j)
     }
 
-    /// The avatar's bone whose place follows the motion: the first driven one whose place is known.
+    /// The avatar's bone whose place follows the motion: the pelvis; without one what the legs hang on, the first driven
+    /// bone that is part of a body, or the first. What is above it, a root on the floor, follows it.
+    pub fn root(&self) -> Option<usize> {
+        self.root
+    }
+
+    /// The root if its place is known, else the first driven bone whose place is.
     pub(super) fn anchor(&self, pose: &[BonePose]) -> Option<usize> {
         let known = |t: &usize| self.place(pose, *t).is_some();
-        self.driven().find(known)
+        self.root
+            .filter(known)
+            .or_else(|| self.driven().find(known))
     }
 
     /// Where the motion has the avatar's bone `t`, in the avatar's world and size.
-    fn place(&self, pose: &[BonePose], t: usize) -> Option<DVec3> {
+    pub(super) fn place(&self, pose: &[BonePose], t: usize) -> Option<DVec3> {
         let position = pose.get(self.source[t]?)?.position?;
         Some(self.scale * (self.world * position))
     }
@@ -299,7 +299,7 @@ impl Retarget {
     }
 
     /// Avatar to motion: by the legs, else by the spread of joints about their centre.
-    fn relative_size(&self, places: &[Option<DVec3>], centred: &[(DVec3, DVec3)]) -> f64 {
+    pub(super) fn relative_size(&self, places: &[Option<DVec3>]) -> f64 {
         let find = |leg: BodyPart, part: Part| {
             let wanted = Some(BodyPart {
                 side: leg.side,
@@ -323,6 +323,7 @@ impl Retarget {
             .filter(|p| p.part == Part::UpperLeg)
             .filter_map(|p| length(*p));
         let legs = legs.fold((0.0, 0.0), |sum, l| (sum.0 + l.0, sum.1 + l.1));
+        let centred = centred(&self.skeleton, places);
         let spread = centred.iter().fold((0.0, 0.0), |sum, (motion, avatar)| {
             (
                 sum.0 + avatar.length_squared(),
@@ -336,6 +337,44 @@ impl Retarget {
             .filter(|r| r.is_finite())
             .unwrap_or(1.0)
     }
+}
+
+/// Which of the bones that something `drives` is placed where the motion has it; see [`Retarget::root`].
+fn root(
+    skeleton: &Skeleton,
+    parts: &[Option<BodyPart>],
+    drives: &[Option<usize>],
+) -> Option<usize> {
+    let driven = || (0..drives.len()).filter(|&t| drives[t].is_some());
+    let is = |t: usize, part: Part| parts[t].is_some_and(|p| p.part == part);
+    let above = |t: usize| {
+        let parent = |t: &usize| skeleton.parents[*t].map(|p| p as usize);
+        std::iter::successors(parent(&t), parent)
+    };
+    let mut legs = driven().filter(|&t| is(t, Part::UpperLeg));
+    let legs = (legs.next(), legs.next());
+    let forked = || {
+        let (left, right) = (legs.0?, legs.1?);
+        above(left).find(|&t| drives[t].is_some() && above(right).any(|r| r == t))
+    };
+    (driven().find(|&t| is(t, Part::Hips)))
+        .or_else(forked)
+        .or_else(|| driven().find(|&t| parts[t].is_some()))
+        .or_else(|| driven().next())
+}
+
+/// Places of the motion's joints and of the avatar's that they drive, each about the centre of all.
+fn centred(skeleton: &Skeleton, places: &[Option<DVec3>]) -> Vec<(DVec3, DVec3)> {
+    let known: Vec<(DVec3, DVec3)> = (skeleton.joints.iter().zip(places))
+        .filter_map(|(j, p)| Some(((*p)?, *j)))
+        .collect();
+    let middle = known.iter().fold((DVec3::ZERO, DVec3::ZERO), |sum, k| {
+        (sum.0 + k.0, sum.1 + k.1)
+    });
+    let count = known.len() as f64;
+    (known.iter())
+        .map(|k| (k.0 - middle.0 / count, k.1 - middle.1 / count))
+        .collect()
 }
 
 /// Frames of `skeleton` with these world rotations, the root's joint at the origin.

@@ -28,6 +28,8 @@ pub(super) struct Keys {
     /// Shape parameters of `model`, in the file's order, or of the sample body.
     #[serde(alias = "shape", skip_serializing_if = "Vec::is_empty")]
     pub betas: Vec<f64>,
+    /// A motion (`.npz`, AMASS) whose person's shape the SMPL file `model` takes, in place of `betas`.
+    pub betas_of: Option<PathBuf>,
     /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
     pub bones: Option<PathBuf>,
     /// Maps painted on the skin, by name: `.npy` files, or `.npz` archives with an array of that name, with a number
@@ -80,6 +82,7 @@ impl Keys {
                 "betas",
                 !self.betas.is_empty() && self.sample != Some(Sample::Body),
             ),
+            ("betas_of", self.betas_of.is_some()),
             ("painted", !self.painted.is_empty()),
             ("tissue", !self.tissue.is_empty()),
             ("rigid", !self.rigid.is_empty()),
@@ -87,6 +90,10 @@ impl Keys {
         if let (None, Some((key, _))) = (&self.model, of_model.iter().find(|k| k.1)) {
             let problem = "belongs to a model: name one";
             return Err(Error::invalid(format!("avatar.{key}"), problem));
+        }
+        if self.betas_of.is_some() && !self.betas.is_empty() {
+            let problem = "is one shape, and betas are another: leave one out";
+            return Err(Error::invalid("avatar.betas_of", problem));
         }
         if self.bake.is_some() && (self.file.is_some() || self.recipe.is_some()) {
             let problem = "what is baked already, or has its own recipe, takes none here";
@@ -121,6 +128,7 @@ impl TryFrom<Keys> for AvatarSource {
             mesh,
             model,
             betas,
+            betas_of,
             bones,
             painted,
             tissue,
@@ -137,6 +145,7 @@ impl TryFrom<Keys> for AvatarSource {
             (_, _, _, Some(model), mesh) => BodyOrigin::Character(CharacterSource {
                 model,
                 betas,
+                betas_of,
                 bones,
                 mesh,
                 regions,
@@ -181,6 +190,7 @@ impl From<AvatarSource> for Keys {
             BodyOrigin::Character(c) => Self {
                 model: Some(c.model),
                 betas: c.betas,
+                betas_of: c.betas_of,
                 bones: c.bones,
                 mesh: c.mesh,
                 regions: c.regions,

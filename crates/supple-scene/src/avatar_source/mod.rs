@@ -2,6 +2,7 @@
 
 mod cache;
 mod keys;
+mod shape;
 
 pub use cache::load_avatar;
 
@@ -72,6 +73,8 @@ pub struct CharacterSource {
     pub model: PathBuf,
     /// Shape parameters in the file's order.
     pub betas: Vec<f64>,
+    /// A motion of AMASS whose person's shape it takes.
+    pub betas_of: Option<PathBuf>,
     /// Closed bone surfaces: OBJ objects with its bones' names.
     pub bones: Option<PathBuf>,
     /// Tets of its soft layer ([`read_tets`]).
@@ -96,6 +99,7 @@ impl CharacterSource {
     fn options(&self) -> CharacterOptions {
         CharacterOptions {
             betas: self.betas.clone(),
+            betas_of: self.betas_of.clone(),
             regions: self.regions.clone(),
             parts: self.parts.clone(),
         }
@@ -254,28 +258,6 @@ impl AvatarSource {
             .map_err(|e| Error::invalid("recipe", format!("cannot be written as TOML: {e}")))
     }
 
-    /// Asks for the shape `betas` of the model.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] of a source that has one shape only.
-    pub fn set_shape(&mut self, betas: &[f64]) -> Result<()> {
-        let own = match self {
-            Self::Body(body) => match &mut body.from {
-                BodyOrigin::Character(character) => Some(&mut character.betas),
-                BodyOrigin::Sample {
-                    sample: Sample::Body,
-                    betas,
-                } => Some(betas),
-                _ => None,
-            },
-            _ => None,
-        };
-        let problem =
-            "this body has one shape only; a character file that has shape directions is needed";
-        *own.ok_or_else(|| Error::invalid("shape", problem))? = betas.to_vec();
-        Ok(())
-    }
-
     /// Puts relative paths into `folder`.
     pub fn resolve(&mut self, folder: &Path) {
         let put = |path: &mut PathBuf| *path = folder.join(&*path);
@@ -286,6 +268,7 @@ impl AvatarSource {
                 BodyOrigin::Tets { mesh, .. } => put(mesh),
                 BodyOrigin::Character(character) => {
                     put(&mut character.model);
+                    character.betas_of.iter_mut().for_each(put);
                     character.bones.iter_mut().for_each(put);
                     character.mesh.iter_mut().for_each(put);
                     character.painted.values_mut().for_each(put);
@@ -300,9 +283,9 @@ impl AvatarSource {
             None | Some(BodyOrigin::Sample { .. }) => Vec::new(),
             Some(BodyOrigin::Tets { mesh, .. }) => vec![mesh],
             Some(BodyOrigin::Character(c)) => {
-                let own = [c.mesh.as_ref(), Some(&c.model), c.bones.as_ref()];
-                let own = own.into_iter().flatten();
-                own.chain(c.painted.values())
+                let own = [&c.mesh, &c.bones, &c.betas_of].into_iter().flatten();
+                (own.chain([&c.model]))
+                    .chain(c.painted.values())
                     .map(PathBuf::as_path)
                     .collect()
             }

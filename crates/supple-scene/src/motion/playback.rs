@@ -7,9 +7,9 @@ use std::path::Path;
 use supple::model::{Frame, Skeleton, UpAxis};
 use supple::{Error, Result};
 use supple_files::{
-    BonePoses, BvhOptions, ClipPlayer, MotionClip, PoseHeader, PosePlayer, PoseReader, Retarget,
-    mirrored_clip, mirrored_header, mirrored_poses, read_amass, read_bvh, read_gltf_motions,
-    read_pose,
+    AmassOptions, BonePoses, BvhOptions, ClipPlayer, MotionClip, PoseHeader, PosePlayer,
+    PoseReader, Retarget, mirrored_clip, mirrored_header, mirrored_poses, read_amass_with,
+    read_bvh, read_gltf_motions, read_pose,
 };
 
 /// A motion on an avatar: frames for every time step.
@@ -88,6 +88,14 @@ impl Playback {
         }
     }
 
+    /// What was decided about a clip's file, and what of it the avatar cannot follow; a sentence each.
+    pub fn notes(&self) -> &[String] {
+        match self {
+            Self::Clip(player) => &player.clip().notes,
+            Self::Poses(_) => &[],
+        }
+    }
+
     /// Says where the avatar stands when it begins.
     pub fn stand_at(&mut self, standing: &[Frame]) {
         match self {
@@ -133,8 +141,9 @@ impl PoseFeed {
 /// The clip in the file of `motion`; `None` if it holds poses.
 ///
 /// # Errors
-/// [`Error::Io`] and [`Error::Format`] of the file.
+/// [`Error::Io`] and [`Error::Format`] of the file; [`Error::Invalid`] of a key.
 pub fn read_motion(motion: &TrackedMotion) -> Result<Option<MotionClip>> {
+    motion.validate()?;
     let path = motion.file.as_path();
     if motion.is_standard_input() {
         return Ok(None);
@@ -150,7 +159,11 @@ pub fn read_motion(motion: &TrackedMotion) -> Result<Option<MotionClip>> {
                 up: motion.up,
             },
         )?,
-        Some("npz") => read_amass(path)?,
+        Some("npz") => read_amass_with(path, &AmassOptions { rate: motion.rate })?,
+        Some("glb" | "gltf" | "vrm" | "vrma") if motion.rate.is_some() => {
+            let problem = "is of .bvh and .npz files: an animation has times of its own; `speed` changes them";
+            return Err(Error::format(path, "motion.rate", problem));
+        }
         Some("glb" | "gltf" | "vrm" | "vrma") => named_clip(read_gltf_motions(path)?, motion)?,
         Some("jsonl" | "ndjson" | "js" | "json") => return Ok(None),
         _ => {
@@ -159,6 +172,7 @@ pub fn read_motion(motion: &TrackedMotion) -> Result<Option<MotionClip>> {
         }
     };
     clip.world_up = motion.up.unwrap_or(clip.world_up);
+    clip.frame_time = motion.rate.map_or(clip.frame_time, f64::recip);
     Ok(Some(clip))
 }
 

@@ -21,6 +21,8 @@ pub struct TrackedMotion {
     pub clip: Option<String>,
     /// The unit of a BVH file's lengths; centimetres if not given.
     pub unit: Option<Unit>,
+    /// Frames a second, in place of what the file says: of a BVH file, or of an AMASS one, which may not say.
+    pub rate: Option<f64>,
     /// The axis that points up in the motion's world, where the file does not say.
     pub up: Option<UpAxis>,
     /// From the motion's bones to the avatar's, where names do not tell; an empty name leaves a bone out.
@@ -47,7 +49,7 @@ pub struct TrackedMotion {
     /// Time in which the avatar goes over from where it stands to the motion, s; with 0 it begins in the
     /// motion's first pose.
     pub ease_in: f64,
-    /// How the first driven bone follows the motion's places.
+    /// How the hips follow the motion's places ([`supple_files::Retarget::root`]).
     pub root: RootTracking,
     /// How bones are drawn to the motion's rotations; N·m/rad, N·m·s.
     pub rotation: Spring,
@@ -55,7 +57,7 @@ pub struct TrackedMotion {
     pub position: Spring,
 }
 
-/// How the first driven bone follows the motion's places.
+/// How the hips, or what stands for them, follow the motion's places.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RootTracking {
@@ -77,6 +79,7 @@ impl Default for TrackedMotion {
             file: PathBuf::new(),
             clip: None,
             unit: None,
+            rate: None,
             up: None,
             map: BTreeMap::new(),
             hand: None,
@@ -144,6 +147,11 @@ impl TrackedMotion {
                 "must be m, cm, mm, in, ft or a positive number of metres",
             )?;
         }
+        check(
+            self.rate.is_none_or(|r| r > 0.0 && r.is_finite()),
+            "rate",
+            "must be positive (frames a second)",
+        )?;
         check(self.speed > 0.0, "speed", "must be positive")?;
         check(self.start >= 0.0, "start", "must be zero or positive (s)")?;
         check(

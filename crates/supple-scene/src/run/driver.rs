@@ -134,6 +134,11 @@ impl Driver {
         self.motion.as_ref().map(MotionDriver::bone_map)
     }
 
+    /// What is to be known of its motion, a sentence each.
+    pub fn motion_notes(&self) -> &[String] {
+        self.motion.as_ref().map_or(&[], MotionDriver::notes)
+    }
+
     /// Moves what is driven to `time`, the end of the next step. Times must not fall; a stream is waited
     /// for.
     ///

@@ -102,7 +102,10 @@ pub fn run_scene<P: Potential>(
     let steps = measures.steps().to_vec();
     Ok(SceneRun {
         steps,
-        report: measures.report(avatar, simulation.potential().name()),
+        report: Report {
+            motion_notes: driver.motion_notes().to_vec(),
+            ..measures.report(avatar, simulation.potential().name())
+        },
         recording,
         bone_map: driver.bone_map().cloned(),
         snapshots: snapshots.into_iter().flatten().collect(),

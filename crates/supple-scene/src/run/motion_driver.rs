@@ -12,8 +12,9 @@ pub(super) struct MotionDriver {
     playback: Playback,
     skeleton: Skeleton,
     options: TrackedMotion,
-    /// Bones with targets, rising; the first is the root of what is driven.
+    /// Bones with targets, rising.
     bones: Vec<usize>,
+    /// The one of them whose place follows too.
     root: Option<usize>,
 }
 
@@ -28,7 +29,7 @@ impl MotionDriver {
         own: impl Fn(usize) -> bool,
     ) -> Result<Self> {
         playback.stand_at(start);
-        let root = playback.retarget().driven().next();
+        let root = playback.retarget().root();
         let bones = playback.retarget().driven().filter(|&b| !own(b)).collect();
         if options.ease_in == 0.0 {
             *start = playback.frames(0.0)?;
@@ -44,6 +45,10 @@ impl MotionDriver {
 
     pub fn bone_map(&self) -> &BoneMap {
         self.playback.retarget().map()
+    }
+
+    pub fn notes(&self) -> &[String] {
+        self.playback.notes()
     }
 
     /// Whether `bone` is the root and follows exactly.

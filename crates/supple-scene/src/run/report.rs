@@ -60,6 +60,9 @@ pub struct Report {
     pub residual_displacement_mm: f64,
     /// The tissue's energy.
     pub energy: EnergyReport,
+    /// What was decided about the motion's file, and what of it the avatar cannot follow; a sentence each.
+    #[serde(default)]
+    pub motion_notes: Vec<String>,
 }
 
 impl Report {

@@ -108,7 +108,8 @@ pub fn tetgen() -> Format {
 }
 
 pub fn bvh() -> Format {
-    plain("bvh", vec![seeds::BVH.into()], |bytes| {
+    let seeds = vec![seeds::BVH.into(), seeds::BVH_ALONG_X.into()];
+    plain("bvh", seeds, |bytes| {
         let text = String::from_utf8_lossy(bytes);
         motion::parse_bvh(&text, path(), &BvhOptions::default()).is_ok()
     })
@@ -119,7 +120,12 @@ fn amass_file(bytes: &[u8]) -> bool {
 }
 
 pub fn amass() -> Format {
-    plain("amass", vec![seeds::amass_archive()], amass_file)
+    let [parts, aist] = seeds::amass_relatives();
+    plain(
+        "amass",
+        vec![seeds::amass_archive(), parts, aist],
+        amass_file,
+    )
 }
 
 pub fn amass_npy_inside() -> Format {

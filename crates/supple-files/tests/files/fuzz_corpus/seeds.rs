@@ -17,6 +17,12 @@ pub const BVH: &str = "HIERARCHY\nROOT hips\n{\n\tOFFSET 0 0 0\n\tCHANNELS 6 Xpo
     Xrotation Yrotation\n\tJOINT knee\n\t{\n\t\tOFFSET 0 -40 1\n\t\tCHANNELS 3 Zrotation Xrotation Yrotation\n\t\tEnd Site\n\t\t{\n\
     \t\t\tOFFSET 0 -40 0\n\t\t}\n\t}\n}\nMOTION\nFrames: 2\nFrame Time: 0.0083\n0 90 0 1 2 3 4 5 6\n0 91 1 2 3 4 5 6 7\n";
 
+/// Bones along x and a frame more than is announced.
+pub const BVH_ALONG_X: &str = "HIERARCHY\nROOT hips {\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation \
+    Yrotation\nJOINT spine {\nOFFSET 9 0 0\nCHANNELS 1 Zrotation\nEnd Site {\nOFFSET 0 0 0\n}\n}\nJOINT leftUpLeg {\nOFFSET 0 0 9\n\
+    CHANNELS 1 Zrotation\nJOINT leftFoot {\nOFFSET 80 0 0\nCHANNELS 1 Zrotation\nEnd Site {\nOFFSET 0 0 0\n}\n}\n}\n}\nMOTION\n\
+    Frames: 1\nFrame Time: 0.0083\n0 90 0 0 0 0 90 -90 90\n0 90 0 0 0 0 90 -80 80\n";
+
 pub const POSE: &str = "/** a comment */\nexport const pose = {\n jointTransforms: {\n  wrist: { offsetMatrix: [1, 0, 0, 0, 0, 1, 0, \
     0, 0, 0, 1, 0, 0.1, 0, -2e-3, 1], radius: 0.02 },\n  'thumb-tip': { offsetMatrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], },\n },\n};\n";
 
@@ -172,6 +178,26 @@ pub fn amass_archive() -> Vec<u8> {
         ),
         ("mocap_framerate.npy", npy("<f8", "", &60f64.to_le_bytes())),
     ])
+}
+
+/// A frame of a body in parts, with betas; one of AIST++.
+pub fn amass_relatives() -> [Vec<u8>; 2] {
+    let zeros = |count: usize| f32s(&vec![0.1; count]);
+    [
+        archive(&[
+            ("root_orient.npy", npy("<f4", "1, 3", &zeros(3))),
+            ("pose_body.npy", npy("<f4", "1, 63", &zeros(63))),
+            ("pose_hand.npy", npy("<f4", "1, 90", &zeros(90))),
+            ("trans.npy", npy("<f4", "1, 3", &zeros(3))),
+            ("betas.npy", npy("<f4", "16", &zeros(16))),
+            ("fps.npy", npy("<f8", "", &60f64.to_le_bytes())),
+        ]),
+        archive(&[
+            ("smpl_poses.npy", npy("<f4", "1, 72", &zeros(72))),
+            ("smpl_trans.npy", npy("<f4", "1, 3", &zeros(3))),
+            ("smpl_scaling.npy", npy("<f4", "1", &zeros(1))),
+        ]),
+    ]
 }
 
 pub fn amass_poses() -> Vec<u8> {

@@ -1,14 +1,12 @@
 //! BVH, AMASS and hand poses: hand-computed places, and nothing broken gets through.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use supple::Error;
-use supple::glam::{DQuat, DVec3};
-use supple::internal::math::{Random, rotation_exp, rotation_log};
-use supple::model::UpAxis;
+use supple::glam::DVec3;
+use supple::internal::math::{Random, rotation_log};
 use supple_files::{
     BvhOptions, ClipOptions, ClipPlayer, PoseOptions, PoseParser, PosePlayer, Unit, bvh_text,
-    clip_as_poses, parse_bvh, parse_pose, pose_header_line, pose_line, read_amass,
+    clip_as_poses, parse_bvh, parse_pose, pose_header_line, pose_line,
 };
 use supple_samples::hand::grasp;
 use supple_samples::walk;
@@ -77,18 +75,34 @@ fn a_broken_bvh_names_its_line() {
     );
     wrong("Xrotation", "Wrotation", 5, "\"Wrotation\" is no channel");
     wrong("knee {", "knee { {", 6, "{ follows");
+    wrong("Frames:2", "Frames:-1", 16, "whole number");
+    wrong("Frames:2", "Frames:1.5", 16, "whole number");
     wrong(
-        "Frames:2",
-        "Frames:3",
+        " 0 90\r\n",
+        "\r\n",
         19,
-        "3 frames of 10 numbers are announced, 20",
+        "2 frames of 10 numbers are announced, 18",
     );
-    wrong("Frames:2", "Frames:99999999999999999999", 19, "announced");
-    wrong("Frames:2", "Frames:-1", 19, "announced");
+    wrong(" 0 90\r\n", "\r\n", 19, "1 frames and 8 numbers of another");
     wrong("Frame Time: 0.5", "Frame Time: 0", 17, "positive");
     wrong("Frame Time", "Time", 17, "`Frame Time:` is expected");
     wrong("4 5 6", "4 5 1e999", 19, "no number");
     wrong("MOTION", "", 16, "is none of");
+}
+
+/// Whole lines count, whatever the file announces; that it differs is said.
+#[test]
+fn a_bvh_has_the_frames_that_are_there() {
+    assert_eq!(bvh(BVH).unwrap().notes, [""; 0]);
+    for announced in ["1", "3", "0", "4000000000"] {
+        let clip = bvh(&BVH.replacen("Frames:2", &format!("Frames:{announced}"), 1)).unwrap();
+        assert_eq!(clip.frames, bvh(BVH).unwrap().frames);
+        let said = clip.notes.concat();
+        assert!(
+            said.contains(announced) && said.contains("2 are there"),
+            "{said}"
+        );
+    }
 }
 
 /// Cut anywhere, or with any byte changed, a file is read or refused, and nothing panics.
@@ -156,138 +170,6 @@ fn the_committed_grasp_is_the_generator_s() {
     assert!(
         committed == lines,
         "write it anew: supple sample grasp -o assets/motions"
-    );
-}
-
-/// Bytes of a `.npy` file of f64.
-fn npy(shape: &[usize], values: &[f64]) -> Vec<u8> {
-    let sizes: String = shape.iter().map(|n| format!("{n}, ")).collect();
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({sizes}), }}");
-    header += &" ".repeat((64 - (11 + header.len()) % 64) % 64);
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
-    bytes
-}
-
-pub fn npz(folder: &Path, arrays: &[(&str, &[usize], &[f64])]) -> PathBuf {
-    let path = folder.join("motion.npz");
-    let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
-    for (name, shape, values) in arrays {
-        let options = zip::write::SimpleFileOptions::default();
-        zip.start_file(format!("{name}.npy"), options).unwrap();
-        zip.write_all(&npy(shape, values)).unwrap();
-    }
-    zip.finish().unwrap();
-    path
-}
-
-#[test]
-fn amass_is_read_in_every_width_and_spelling() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut random = Random::new(3);
-    for (width, bones, rate) in [
-        (72, 24, "mocap_framerate"),
-        (66, 22, "mocap_frame_rate"),
-        (156, 52, "mocap_framerate"),
-        (165, 55, "mocap_frame_rate"),
-        (48, 16, "mocap_framerate"),
-    ] {
-        let poses: Vec<f64> = (0..2 * width).map(|_| random.uniform(-1.0, 1.0)).collect();
-        let trans = [0.0, 0.5, 1.0, 0.1, 0.6, 1.1];
-        let path = npz(
-            folder.path(),
-            &[
-                ("poses", &[2, width], &poses),
-                ("trans", &[2, 3], &trans),
-                (rate, &[], &[120.0]),
-            ],
-        );
-        let clip = read_amass(&path).unwrap();
-        assert_eq!((clip.bones.len(), clip.frames.len()), (bones, 2));
-        assert_eq!((clip.rest_up, clip.world_up), (UpAxis::Y, UpAxis::Z));
-        assert!((clip.frame_time - 1.0 / 120.0).abs() < 1e-15);
-        assert_eq!(clip.frames[1].translations, [DVec3::new(0.1, 0.6, 1.1)]);
-        for j in 0..bones {
-            let v = DVec3::from_slice(&poses[width + 3 * j..]);
-            let expected = DQuat::from_mat3(&rotation_exp(v));
-            assert!(clip.frames[1].rotations[j].angle_between(expected) < 1e-7);
-        }
-        for (name, parent) in [
-            ("left_index1", "left_wrist"),
-            ("right_thumb3", "right_thumb2"),
-            ("jaw", "head"),
-            ("right_foot", "right_ankle"),
-            ("pinky1", "wrist"),
-        ] {
-            if let Some(j) = clip.find(name) {
-                assert_eq!(clip.bones[clip.parents[j].unwrap() as usize], parent);
-            }
-        }
-    }
-}
-
-#[test]
-fn a_broken_amass_names_its_key() {
-    let folder = tempfile::tempdir().unwrap();
-    let wrong = |arrays: &[(&str, &[usize], &[f64])], field: &str, hint: &str| {
-        let error = read_amass(npz(folder.path(), arrays)).unwrap_err();
-        let text = error.to_string();
-        assert!(
-            matches!(&error, Error::Format { field: f, .. } if f == field),
-            "{text}"
-        );
-        assert!(text.contains(hint), "{text}");
-    };
-    let (poses, trans) = ([0.0; 72], [0.0; 3]);
-    let rate: (&str, &[usize], &[f64]) = ("mocap_framerate", &[], &[60.0]);
-    wrong(&[("trans", &[1, 3], &trans), rate], "poses", "missing");
-    wrong(&[("poses", &[1, 72], &poses), rate], "trans", "missing");
-    wrong(
-        &[("poses", &[1, 72], &poses), ("trans", &[1, 3], &trans)],
-        "mocap_framerate",
-        "missing",
-    );
-    wrong(
-        &[
-            ("poses", &[1, 72], &poses),
-            ("trans", &[1, 3], &trans),
-            ("mocap_framerate", &[], &[0.0]),
-        ],
-        "mocap_framerate",
-        "missing",
-    );
-    wrong(
-        &[
-            ("poses", &[2, 36], &poses),
-            ("trans", &[1, 3], &trans),
-            rate,
-        ],
-        "poses",
-        "36 numbers",
-    );
-    wrong(
-        &[
-            ("poses", &[1, 72], &poses),
-            ("trans", &[3, 1], &trans),
-            rate,
-        ],
-        "trans",
-        "shape",
-    );
-    wrong(
-        &[("poses", &[0, 72], &[]), ("trans", &[0, 3], &[]), rate],
-        "motion.frames",
-        "none",
-    );
-    let mut bad = poses;
-    bad[5] = f64::NAN;
-    wrong(
-        &[("poses", &[1, 72], &bad), ("trans", &[1, 3], &trans), rate],
-        "poses",
-        "element 5",
     );
 }
 

@@ -60,7 +60,7 @@ fn a_pose(scale: f64, angle: f64) -> Skeleton {
     skeleton
 }
 
-fn player(clip: MotionClip, skeleton: &Skeleton, options: &ClipOptions) -> ClipPlayer {
+pub fn player(clip: MotionClip, skeleton: &Skeleton, options: &ClipOptions) -> ClipPlayer {
     let mut player = ClipPlayer::new(clip, skeleton, options).unwrap();
     let mut local = vec![DMat3::IDENTITY; skeleton.len()];
     local[0] = player.retarget().standing();
