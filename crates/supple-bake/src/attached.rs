@@ -191,7 +191,7 @@ mod tests {
         let (low, high) = body.skin.bounds();
         let size = (high - low).max_element();
         let positions: Vec<DVec3> = (0..600)
-            .map(|i| (if i < 500 { 0.7 } else { 40.0 }) * size * random.vector(1.0))
+            .map(|i| (if i < 500 { 0.3 } else { 40.0 }) * size * random.vector(1.0))
             .collect();
         let whole = SkinWeight {
             bone: 0,

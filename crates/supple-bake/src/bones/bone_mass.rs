@@ -182,6 +182,15 @@ mod tests {
             bone: 0,
             weight: 1.0,
         };
+        // It moves one vertex, and no node.
+        let tip = SkinWeight {
+            bone: 1,
+            weight: 1.0,
+        };
+        let rows = body.skinning.iter().enumerate();
+        body.skinning = rows
+            .map(|(v, row)| if v == 0 { vec![tip] } else { row.to_vec() })
+            .collect();
         let nodes: Rows<SkinWeight> = body.layer.mesh.nodes.iter().map(|_| [whole]).collect();
         let (masses, report) = bone_masses(&body, &nodes, 1000.0);
         assert_eq!(report.raised, 1);

@@ -16,8 +16,7 @@ use supple::{Error, Result};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct HandleRegion {
-    /// What the candidates are. Older recipes say `place`.
-    #[serde(alias = "place")]
+    /// What the candidates are.
     pub candidates: HandleCandidates,
     /// Only where one of these bones has the largest weight; none named: everywhere.
     #[serde(skip_serializing_if = "Vec::is_empty")]

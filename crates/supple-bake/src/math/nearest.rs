@@ -40,8 +40,8 @@ impl<'a> NearestPoint<'a> {
     /// [`NearestPoint::nearest`] where that is no farther than `most`, m. What is far from all points costs nothing.
     pub fn nearest_within(&self, p: DVec3, most: f64) -> Option<(u32, f64)> {
         let outside = self.tree.root().envelope().distance_2(&p.to_array());
-        // An empty tree's box is at no distance.
-        if outside.is_nan() || outside > most * most {
+        // An empty tree's box is at no distance. What rounding makes of the borders is decided below.
+        if outside.is_nan() || outside > most * most * (1.0 + 1e-12) {
             return None;
         }
         self.nearest(p).filter(|(_, distance)| *distance <= most)
