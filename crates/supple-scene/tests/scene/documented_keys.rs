@@ -279,7 +279,7 @@ fn what_the_pages_get_wrong_is_noticed() {
         (
             "(`\"volume\"`)",
             "(volume)",
-            "recipe.bake.handles[].place: not documented: [\"volume\"]",
+            "recipe.bake.handles[].candidates: not documented: [\"volume\"]",
         ),
         (
             "(`\"hold\"`)",
