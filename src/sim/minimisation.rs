@@ -69,6 +69,12 @@ impl Minimisation {
         }
     }
 
+    /// Frame `frame` is where it is told to be in this step.
+    pub fn prescribe(&mut self, frame: usize) {
+        self.prescribed[frame] = true;
+        self.fixed[6 * frame..6 * frame + 6].fill(true);
+    }
+
     /// Solves H δ = −g for the Newton step, where the iterate has the energies, gradient and Hessian of `evaluation`
     /// (the skeleton's included, whose energies are `skeleton_energies`), and reports on the iteration.
     pub fn solve(

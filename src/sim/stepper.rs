@@ -128,10 +128,11 @@ impl Stepper {
                 for start in [iterate, fallback] {
                     carry(&minimisation.carried, start);
                 }
-                let pinned = instance.pins.iter().map(|pin| pin.bone);
-                for bone in pinned.chain(minimisation.carried.iter().map(|c| c.bone)) {
-                    minimisation.prescribed[bone] = true;
-                    minimisation.fixed[6 * bone..6 * bone + 6].fill(true);
+                for pin in &instance.pins {
+                    minimisation.prescribe(pin.bone);
+                }
+                for k in 0..minimisation.carried.len() {
+                    minimisation.prescribe(minimisation.carried[k].bone);
                 }
             },
         );
@@ -141,9 +142,7 @@ impl Stepper {
 
     /// Holds frame `frame` of a member where it is in this step.
     pub fn hold(&mut self, member: usize, frame: usize) {
-        let minimisation = &mut self.newton.minimisations[member];
-        minimisation.prescribed[frame] = true;
-        minimisation.fixed[6 * frame..6 * frame + 6].fill(true);
+        self.newton.minimisations[member].prescribe(frame);
     }
 
     /// The next report on a member is not of an earlier step.

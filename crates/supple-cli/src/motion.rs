@@ -87,7 +87,6 @@ impl Arguments {
                 ("duration", format!("{:.3} s", clip.duration())),
                 ("bones", clip.bones.join(", ")),
             ]);
-            print_table(clip.notes.iter().map(|note| ("note", note.clone())));
         }
         let body = match &self.avatar {
             Some(path) => Some(avatar_source_of(path)?.body()?.0),
