@@ -1,5 +1,6 @@
 //! The posed skins of a world, for who draws them.
 
+use super::backend::Evaluator;
 use super::contents::World;
 #[cfg(feature = "gpu")]
 use super::gpu::SkinBuffer;
@@ -22,11 +23,7 @@ impl World {
         positions: &mut Vec<DVec3>,
         normals: &mut Vec<DVec3>,
     ) -> Result<()> {
-        let (asset, place) = self.find(instance)?;
-        if !self.posed {
-            self.pose().await?;
-        }
-        let evaluator = self.evaluators.get_mut(asset);
+        let (evaluator, place) = self.find_posed(instance).await?;
         evaluator.read_skin(place, positions, normals).await
     }
 
@@ -42,12 +39,17 @@ impl World {
         instance: InstanceId,
         positions: &mut Vec<DVec3>,
     ) -> Result<()> {
+        let (evaluator, place) = self.find_posed(instance).await?;
+        evaluator.read_previous_skin(place, positions).await
+    }
+
+    /// What evaluates an instance and its place there, once the skins are those of the present states.
+    async fn find_posed(&mut self, instance: InstanceId) -> Result<(&mut Evaluator, usize)> {
         let (asset, place) = self.find(instance)?;
         if !self.posed {
             self.pose().await?;
         }
-        let evaluator = self.evaluators.get_mut(asset);
-        evaluator.read_previous_skin(place, positions).await
+        Ok((self.evaluators.get_mut(asset), place))
     }
 
     /// Poses the skins of the present states.

@@ -40,10 +40,7 @@ impl AttachmentReport {
 pub(crate) fn followed(body: &Body) -> Rows<(u32, f64)> {
     let skin = &body.skin;
     let nearest = NearestPoint::new(&skin.positions);
-    let (low, high) = (skin.positions.iter())
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-            (low.min(*p), high.max(*p))
-        });
+    let (low, high) = skin.bounds();
     let fade = FADE.map(|share| share * (high - low).max_element());
     let around = skin.triangles_around();
     // A point of a triangle is no farther from one of its corners than its longest edge.

@@ -57,8 +57,8 @@ pub fn parse_gltf(bytes: &[u8], path: impl AsRef<Path>) -> Result<Character> {
 /// Reads the animations in the glTF, VRM or VRMA file at `path` as motions of bones away from the reference shape.
 ///
 /// Bones are those of the character, if the scene shows one, all nodes that an animation turns or shifts, and those between;
-/// of a file without a skin all nodes of the trees that are moved; of a VRM animation the humanoid ones, by VRM's names. Animations that have keys for none of them are left out, and so are
-/// keys of scales, which [`MotionClip::notes`] tell.
+/// of a file without a skin all nodes of the trees that are moved; of a VRM animation the humanoid ones, by VRM's names.
+/// Animations that have keys for none of them are left out, and so are keys of scales, which [`MotionClip::notes`] tell.
 ///
 /// # Errors
 /// As [`read_gltf`], but a file need not show anything; [`supple::Error::Format`] naming the animation where it is too

@@ -3,7 +3,8 @@
 use super::figure::is_figure;
 use super::ground::GroundMove;
 use super::pose::BonePose;
-use super::retarget::{Align, Retarget, RetargetOptions, SourceSkeleton};
+use super::retarget::Retarget;
+use super::retarget_options::{Align, RetargetOptions, SourceSkeleton};
 use super::slides::slides;
 use super::smpl::rest_joint;
 use crate::motion::motion_clip::{MotionClip, MotionFrame};

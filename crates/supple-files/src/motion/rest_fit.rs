@@ -18,8 +18,8 @@ impl Retarget {
     /// Aligns by `poses` of the motion, whose joints' places are known, where its own rest pose says nothing of a
     /// figure. In each the avatar's bones are turned until its joints lie as the motion's do, by W_j; what of that no
     /// pose explains is the alignment, A⁻¹ D_j = arg min Σ |C G_j X − W_j|². Bones that no joint follows (a head, toes, a
-    /// hand without fingers) are on average as their parents are, and the trunk is on average upright. The size, if `resize`, is that of the
-    /// first pose.
+    /// hand without fingers) are on average as their parents are, and the trunk is on average upright. The size, if
+    /// `resize`, is that of the first pose.
     pub(super) fn fit_rest(&mut self, poses: &[Vec<BonePose>], resize: bool) {
         if let Some(first) = poses.first().filter(|_| resize) {
             let known = |t: usize| first.get(self.source[t]?)?.position;
