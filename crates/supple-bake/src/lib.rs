@@ -26,7 +26,7 @@ pub mod subspace;
 
 pub use bake::{PHASES, Progress, bake};
 pub use basis::{BasisEnergy, BiharmonicSystem, Constraints, Truncation, biharmonic_energy};
-pub use body::{Attachment, Body, LayerMesh, Limb, ParametricModel, one_bone_body};
+pub use body::{Attachment, Body, Joints, LayerMesh, Limb, ParametricModel, one_bone_body};
 pub use bones::{BoneMassReport, JointLimitKey, bone_masses, set_limits};
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
 pub use file::{Baked, baked_file, from_bytes, read_baked, to_bytes, write_baked};

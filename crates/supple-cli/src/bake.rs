@@ -1,6 +1,7 @@
 //! `supple bake`.
 
 use super::bake_report::print_bake_report;
+use super::body_flags::BodyFlags;
 use super::make_folder;
 use super::terminal::{baking, print, print_json};
 use std::path::{Path, PathBuf};
@@ -9,22 +10,15 @@ use supple::model::Avatar;
 use supple::{Error, Result};
 use supple_bake::{BakeReport, bake, baked_file};
 use supple_pictures::write_bake_pictures;
-use supple_scene::{AvatarSource, SourceBody, avatar_source_of, read_recipe_for};
+use supple_scene::{AvatarSource, SourceBody};
 
 /// Arguments of `supple bake`.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// A character (.npz, .pkl, .glb, .gltf, .vrm, .obj, tets), or a TOML file: a recipe that names one, or a scene.
     file: PathBuf,
-    /// A recipe for FILE: a TOML file whose keys override what the bake would choose.
-    #[arg(long)]
-    recipe: Option<PathBuf>,
-    /// Shape parameters of the person, in the model's order: 1.5,-0.3,…
-    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
-    shape: Vec<f64>,
-    /// The shape of the person that moves in this .npz (AMASS): its betas, as many as the model has.
-    #[arg(long, value_name = "FILE", conflicts_with = "shape")]
-    shape_of: Option<PathBuf>,
+    #[command(flatten)]
+    body: BodyFlags,
     /// The baked file [default: out/<FILE>.supple].
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -45,7 +39,7 @@ pub struct Arguments {
 impl Arguments {
     /// Bakes.
     pub fn run(self) -> Result<()> {
-        let source = self.source()?;
+        let source = self.body.source(&self.file)?;
         let (avatar, report) = self.bake(&source)?;
         let output = self.output();
         if let Some(folder) = output.parent() {
@@ -75,24 +69,6 @@ impl Arguments {
         Ok(())
     }
 
-    fn source(&self) -> Result<AvatarSource> {
-        let mut source = match &self.recipe {
-            Some(recipe) => read_recipe_for(recipe, &self.file)?,
-            None => avatar_source_of(&self.file)?,
-        };
-        if !self.shape.is_empty() {
-            source
-                .set_shape(&self.shape)
-                .map_err(|e| name_file(e, &self.file))?;
-        }
-        if let Some(motion) = &self.shape_of {
-            source
-                .set_shape_of(motion)
-                .map_err(|e| name_file(e, &self.file))?;
-        }
-        Ok(source)
-    }
-
     /// The avatar of `source`; an error names the file that is to blame.
     fn bake(&self, source: &AvatarSource) -> Result<(Avatar, BakeReport)> {
         let SourceBody {
@@ -101,7 +77,7 @@ impl Arguments {
             notes,
         } = source.read().map_err(|e| name_file(e, &self.file))?;
         let baked = bake(&body, &recipe, &mut baking(&body.name));
-        let recipe = self.recipe.as_ref().unwrap_or(&self.file);
+        let recipe = self.body.recipe.as_ref().unwrap_or(&self.file);
         let named = |e: Error| match e {
             Error::Invalid { field, problem } => match field.inside("recipe") {
                 Some(key) => Error::format(recipe, key.within("bake"), problem),

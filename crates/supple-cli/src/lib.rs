@@ -2,14 +2,19 @@
 
 mod adapters;
 mod animations;
+mod backend;
 mod bake;
 mod bake_report;
+mod body_flags;
 mod figures;
 mod inspect;
 mod motion;
+mod motion_flags;
+mod play;
 mod preview;
 mod sample;
 mod simulate;
+mod simulate_report;
 pub mod terminal;
 
 use clap::{Parser, Subcommand};
@@ -27,6 +32,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Show a character: bake it, play its clip or shake it, and write a moving picture and a GLB file.
+    Play(play::Arguments),
     /// Bake a character file (or a recipe's) into one file that simulates.
     Bake(bake::Arguments),
     /// Simulate a scene: pictures, a GLB file and a report.
@@ -46,6 +53,7 @@ enum Command {
 /// Runs the command; an error goes to stderr, and the exit code is 1.
 pub fn main() -> ExitCode {
     terminal::exit(match Arguments::parse().command {
+        Command::Play(arguments) => arguments.run(),
         Command::Bake(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
         Command::Figures(arguments) => arguments.run(),

@@ -1,5 +1,6 @@
 //! `supple motion`.
 
+use super::motion_flags::MotionFlags;
 use super::terminal::{print, print_json, print_table};
 use glam::DVec3;
 use serde::Serialize;
@@ -34,12 +35,8 @@ pub struct Arguments {
     /// Seconds from one figure to the next [default: the clip's length in equal parts].
     #[arg(long)]
     every: Option<f64>,
-    /// Which of a glTF file's animations.
-    #[arg(long)]
-    clip: Option<String>,
-    /// Frames a second, in place of what a .bvh or .npz says.
-    #[arg(long)]
-    rate: Option<f64>,
+    #[command(flatten)]
+    of_motion: MotionFlags,
     /// JSON in place of a table.
     #[arg(long, conflicts_with = "jsonl")]
     json: bool,
@@ -63,11 +60,7 @@ struct Contents<'a> {
 impl Arguments {
     /// Says what is in a motion, and draws it.
     pub fn run(self) -> Result<()> {
-        let motion = TrackedMotion {
-            clip: self.clip.clone(),
-            rate: self.rate,
-            ..TrackedMotion::of_file(&self.files[0])
-        };
+        let motion = (self.of_motion).of(TrackedMotion::of_file(&self.files[0]));
         let clip = read_motion(&motion)?;
         if self.jsonl {
             return self.write_lines(clip);

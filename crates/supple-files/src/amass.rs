@@ -23,6 +23,9 @@ use std::path::Path;
 use supple::model::UpAxis;
 use supple::{Error, Result};
 
+/// Arrays that tell a motion from a body.
+pub(crate) const POSES: [&str; 3] = ["poses", "root_orient", "smpl_poses"];
+
 const RATES: [&str; 3] = ["mocap_framerate", "mocap_frame_rate", "fps"];
 
 /// AIST++'s frames a second, which its files do not say.
@@ -90,19 +93,17 @@ fn parse_amass_with(bytes: &[u8], path: &Path, options: &AmassOptions) -> Result
     if options.rate.is_some_and(|r| !(r > 0.0 && r.is_finite())) {
         return Err(Error::invalid("rate", "must be positive (frames a second)"));
     }
-    let poses_and_ways = [
-        "poses",
-        "root_orient",
+    let parts_and_ways = [
         "pose_body",
         "pose_hand",
         "pose_jaw",
         "pose_eye",
         "trans",
-        "smpl_poses",
         "smpl_trans",
         "smpl_scaling",
     ];
-    let archive = npz::parse(bytes, path, &[&poses_and_ways[..], &RATES].concat())?;
+    let keys = [&POSES[..], &parts_and_ways, &RATES].concat();
+    let archive = npz::parse(bytes, path, &keys)?;
     let mut notes = Vec::new();
     let Poses {
         key,

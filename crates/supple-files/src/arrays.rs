@@ -1,4 +1,4 @@
-//! The named arrays of one file, whatever its format.
+//! The named arrays of one file, whatever its format, or of a program.
 
 use super::array::{Array, MOST_NUMBERS, SparseMatrix};
 use std::collections::BTreeMap;
@@ -13,9 +13,10 @@ pub(crate) enum Item {
     Sparse(SparseMatrix),
 }
 
-/// The arrays of an `.npz` archive or of a pickled dictionary.
+/// The arrays of an `.npz` archive, of a pickled dictionary, or of a program.
 pub(crate) struct Arrays {
-    path: PathBuf,
+    /// None of a program's.
+    path: Option<PathBuf>,
     items: BTreeMap<String, Item>,
     /// Numbers that there is still room for.
     room: usize,
@@ -25,7 +26,15 @@ impl Arrays {
     /// None yet, of the file at `path`.
     pub fn of_file(path: &Path) -> Self {
         Self {
-            path: path.to_path_buf(),
+            path: Some(path.to_path_buf()),
+            ..Self::in_memory()
+        }
+    }
+
+    /// None yet, of a program.
+    pub fn in_memory() -> Self {
+        Self {
+            path: None,
             items: BTreeMap::new(),
             room: MOST_NUMBERS,
         }
@@ -46,9 +55,21 @@ impl Arrays {
         self.items.insert(key.to_string(), item);
     }
 
-    /// An [`Error::Format`] of array `key`.
+    /// An [`Error::Format`] of array `key` in the file; an [`Error::Invalid`] where there is none.
     pub fn broken(&self, key: &str, problem: impl Into<String>) -> Error {
-        Error::format(&self.path, key, problem)
+        match &self.path {
+            Some(path) => Error::format(path, key, problem),
+            None => Error::invalid(key, problem),
+        }
+    }
+
+    /// The one of an array's two names by which it is there; if it is not, the first in a file, the second in a program.
+    pub fn called<'k>(&self, names: [&'k str; 2]) -> &'k str {
+        match names.map(|name| self.items.contains_key(name)) {
+            [true, _] => names[0],
+            [false, true] => names[1],
+            [false, false] => names[usize::from(self.path.is_none())],
+        }
     }
 
     /// The array `key`, if it is there; all of its numbers must be finite.
@@ -118,7 +139,7 @@ impl Arrays {
 }
 
 /// Entries by rising index, those of one index summed in their order, zeros left out.
-fn summed(row: &[(u32, f64)]) -> Vec<(u32, f64)> {
+pub(crate) fn summed(row: &[(u32, f64)]) -> Vec<(u32, f64)> {
     let mut entries = row.to_vec();
     entries.sort_by_key(|e| e.0);
     entries.dedup_by(|next, kept| {

@@ -7,6 +7,7 @@
 mod amass;
 mod array;
 mod arrays;
+mod body_arrays;
 mod bvh;
 mod character;
 mod colour;
@@ -29,6 +30,7 @@ mod tissue_choice;
 mod weld;
 
 pub use amass::{AmassOptions, parse_amass, read_amass, read_amass_with, read_betas};
+pub use body_arrays::BodyArrays;
 pub use bvh::{BvhOptions, bvh_text, parse_bvh, read_bvh, write_bvh};
 pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
 pub use colour::{BODY_COLOUR, Colour, from_srgb};

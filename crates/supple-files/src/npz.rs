@@ -14,6 +14,16 @@ pub(crate) fn is_archive(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK")
 }
 
+/// Whether any of these arrays is in an archive.
+pub(crate) fn holds_any(bytes: &[u8], names: &[&str]) -> bool {
+    let zip = zip::ZipArchive::new(Cursor::new(bytes));
+    let held = |zip: zip::ZipArchive<_>| {
+        let file = |name: &&str| zip.index_for_name(&format!("{name}.npy")).is_some();
+        names.iter().any(file)
+    };
+    zip.is_ok_and(held)
+}
+
 /// Reads those of the `wanted` arrays that are in an archive's `bytes`; `path` names it in errors.
 pub(crate) fn parse(bytes: &[u8], path: &Path, wanted: &[&str]) -> Result<Arrays> {
     let broken = |field: &str, problem: String| Error::format(path, field, problem);

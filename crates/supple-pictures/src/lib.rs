@@ -2,6 +2,7 @@
 //!
 //! [`render`] draws [`Mesh`]es, [`Strip`] puts panels, captions and a [`Legend`] on one sheet, and [`Curves`] are SVG.
 
+mod animation;
 mod axis;
 mod bake_pictures;
 mod colour;
@@ -16,6 +17,7 @@ mod scene_strip;
 mod strip;
 mod text;
 
+pub use animation::Animation;
 pub use bake_pictures::{BakePicture, bake_pictures, write_bake_pictures};
 pub use colour::{Colour, category_colour, colour_map, diverging_map, from_srgb};
 pub use colour_scale::ColourScale;
@@ -25,5 +27,5 @@ pub use layer_cut::cut_layer;
 pub use motion_strip::{Figure, motion_strip};
 pub use number::number;
 pub use raster::{Camera, Mesh, Plane, Projection, View, render};
-pub use scene_strip::picture_strip;
+pub use scene_strip::{picture_animation, picture_strip};
 pub use strip::{Legend, Panel, Strip};

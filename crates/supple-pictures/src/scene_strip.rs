@@ -1,11 +1,13 @@
-//! The picture strip of a run.
+//! A run as a strip of pictures, and as one that moves.
 
-use crate::colour::from_srgb;
+use crate::animation::Animation;
+use crate::colour::{Colour, from_srgb};
 use crate::colour_scale::ColourScale;
 use crate::image::Image;
 use crate::raster::{Camera, Mesh, Plane, View, render};
 use crate::strip::{Legend, Panel, Strip};
 use glam::DVec3;
+use supple::collider::Shape;
 use supple::model::{Avatar, Surface};
 use supple_files::BODY_COLOUR;
 use supple_scene::{COLLIDER_COLOUR, Focus, HALF_SPACE_EXTENT, Inset, Scene, Snapshot};
@@ -18,6 +20,53 @@ const FRAME: u32 = 0xb8b0a5;
 /// Draws the snapshots side by side: the skin coloured by its unposed displacement, and the colliders.
 /// All of them share the colour scale, and the camera where they do not ask for their own.
 pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Image {
+    let Panels {
+        panels,
+        legend,
+        background,
+    } = draw_panels(scene, avatar, snapshots);
+    let strip = Strip {
+        panels,
+        legend: Some(legend),
+        ..Strip::default()
+    };
+    strip.compose(background)
+}
+
+/// The same pictures one after the other, `frame_time` seconds each.
+pub fn picture_animation(
+    scene: &Scene,
+    avatar: &Avatar,
+    snapshots: &[Snapshot],
+    frame_time: f64,
+) -> Animation {
+    let Panels {
+        panels,
+        legend,
+        background,
+    } = draw_panels(scene, avatar, snapshots);
+    let frame = |panel: Panel| {
+        let strip = Strip {
+            panels: vec![panel],
+            legend: Some(legend.clone()),
+            ..Strip::default()
+        };
+        strip.compose(background)
+    };
+    Animation {
+        frames: panels.into_iter().map(frame).collect(),
+        frame_time,
+    }
+}
+
+/// Snapshots drawn alike.
+struct Panels {
+    panels: Vec<Panel>,
+    legend: Legend,
+    background: Colour,
+}
+
+fn draw_panels(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Panels {
     let output = &scene.output;
     let up = scene.up().direction();
     let displacements = snapshots.iter().flat_map(|s| &s.displacement);
@@ -55,6 +104,7 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
             point: c.point,
             normal: c.normal,
         }),
+        floor: output.floor,
         ..View::new(camera, width, height)
     };
     let view = if output.draft { view.draft() } else { view };
@@ -86,17 +136,16 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
             caption: snapshot.panel.caption.clone(),
         }
     };
-    let strip = Strip {
+    Panels {
         panels: (snapshots.iter().zip(&scenes).zip(&travels))
             .map(panel)
             .collect(),
-        legend: Some(Legend {
+        legend: Legend {
             title: "unposed displacement (mm)".into(),
             scale,
-        }),
-        ..Strip::default()
-    };
-    strip.compose(view.background)
+        },
+        background: view.background,
+    }
 }
 
 fn middle(points: &[DVec3]) -> DVec3 {
@@ -163,7 +212,10 @@ fn meshes(scene: &Scene, avatar: &Avatar, snapshot: &Snapshot, scale: &ColourSca
     }
     let colour = from_srgb(COLLIDER_COLOUR);
     for (collider, frame) in scene.colliders.iter().zip(&snapshot.colliders) {
-        let shape = &collider.shape;
+        let shape: &Shape = &collider.shape;
+        if scene.output.floor.is_some() && *shape == Shape::HalfSpace {
+            continue; // seen by the shadows on it
+        }
         meshes.push(Mesh::collider(shape, frame, HALF_SPACE_EXTENT, colour));
     }
     meshes

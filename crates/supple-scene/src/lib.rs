@@ -8,6 +8,7 @@ mod fingerprint;
 mod motion;
 mod run;
 mod scene;
+mod showing;
 
 pub use avatar_source::{
     AvatarSource, BodyOrigin, BodySource, CharacterSource, SourceBody, avatar_source_of,
@@ -23,3 +24,4 @@ pub use scene::{
     BonePose, Cut, Focus, Inset, Measure, Motion, Output, PanelTime, Pinned, Placement, Scene,
     SceneBody, SceneCollider, SceneShape, Target, parse_scene, read_scene,
 };
+pub use showing::Showing;

@@ -9,4 +9,4 @@ mod parametric;
 pub use attachment::Attachment;
 pub use body::{Body, LayerMesh};
 pub use limb::{Limb, one_bone_body};
-pub use parametric::ParametricModel;
+pub use parametric::{Joints, ParametricModel};

@@ -20,38 +20,52 @@ pub struct ParametricModel {
     pub pose_directions: Vec<Vec<DVec3>>,
     /// Bones of each vertex.
     pub weights: Rows<SkinWeight>,
-    /// Joint regressor: vertices of each joint with their share.
-    pub joint_regressor: Rows<(u32, f64)>,
+    /// Where the joints are.
+    pub joints: Joints,
     /// Parent of each bone.
     pub parents: Vec<Option<u32>>,
     /// Name of each bone.
     pub names: Vec<String>,
 }
 
+/// Joints of a shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Joints {
+    /// Joint regressor: vertices of each joint with their share.
+    Regressor(Rows<(u32, f64)>),
+    /// Places, and how shapes move them.
+    Given {
+        /// Joints of the template, m.
+        template: Vec<DVec3>,
+        /// `directions[k][j]`, m per unit of β_k; joints that are given for one shape have none.
+        directions: Vec<Vec<DVec3>>,
+    },
+}
+
 impl ParametricModel {
     /// T + B_S(β); missing betas are 0.
     pub fn shaped(&self, betas: &[f64]) -> Vec<DVec3> {
-        let mut vertices = self.template.clone();
-        for (beta, direction) in betas.iter().zip(&self.shape_directions) {
-            vertices
-                .iter_mut()
-                .zip(direction)
-                .for_each(|(v, d)| *v += *beta * *d);
-        }
-        vertices
+        along(&self.template, betas, &self.shape_directions)
     }
 
-    /// J(β), from the shaped vertices.
-    pub fn joints(&self, shaped: &[DVec3]) -> Vec<DVec3> {
-        self.joint_regressor
-            .iter()
-            .map(|row| row.iter().map(|&(v, w)| w * shaped[v as usize]).sum())
-            .collect()
+    /// J(β).
+    pub fn joints(&self, betas: &[f64]) -> Vec<DVec3> {
+        match &self.joints {
+            Joints::Regressor(rows) => {
+                let shaped = self.shaped(betas);
+                let part = |&(v, share): &(u32, f64)| share * shaped[v as usize];
+                rows.iter().map(|row| row.iter().map(part).sum()).collect()
+            }
+            Joints::Given {
+                template,
+                directions,
+            } => along(template, betas, directions),
+        }
     }
 
     /// The skeleton of shape β.
     pub fn skeleton(&self, betas: &[f64]) -> Skeleton {
-        let joints = self.joints(&self.shaped(betas));
+        let joints = self.joints(betas);
         Skeleton {
             aliases: Vec::new(),
             limits: Vec::new(),
@@ -95,4 +109,14 @@ impl ParametricModel {
         };
         unposed.iter().zip(self.weights.iter()).map(skin).collect()
     }
+}
+
+/// Points plus Σ β_k direction_k.
+fn along(points: &[DVec3], betas: &[f64], directions: &[Vec<DVec3>]) -> Vec<DVec3> {
+    let mut moved = points.to_vec();
+    for (beta, direction) in betas.iter().zip(directions) {
+        let both = moved.iter_mut().zip(direction);
+        both.for_each(|(p, d)| *p += *beta * *d);
+    }
+    moved
 }

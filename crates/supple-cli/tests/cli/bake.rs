@@ -5,7 +5,7 @@ use std::path::Path;
 use supple::glam::DVec3;
 use supple::internal::math::Rows;
 use supple::model::SkinWeight;
-use supple_bake::ParametricModel;
+use supple_bake::{Joints, ParametricModel};
 use supple_files::{write_painted, write_smpl};
 
 #[test]
@@ -88,7 +88,10 @@ fn write_character(path: &Path) {
     };
     let model = ParametricModel {
         weights: template.iter().map(weight).collect(),
-        joint_regressor: Rows::from_iter([vec![(0, 1.0)], vec![(template.len() as u32 - 1, 1.0)]]),
+        joints: Joints::Regressor(Rows::from_iter([
+            vec![(0, 1.0)],
+            vec![(template.len() as u32 - 1, 1.0)],
+        ])),
         parents: vec![None, Some(0)],
         names: vec!["root".into(), "tip".into()],
         shape_directions: vec![taller],

@@ -4,6 +4,7 @@ mod bake;
 mod errors;
 mod lists;
 mod pictures;
+mod play;
 mod simulate;
 
 use std::path::Path;

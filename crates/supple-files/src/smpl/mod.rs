@@ -10,6 +10,10 @@
 //! | `shapedirs` | vertices × 3 × shapes | optional; SMPL-X: shape, then expression |
 //! | `posedirs` | vertices × 3 × 9 (bones − 1) | optional; or 9 (bones − 1) × 3 vertices |
 //! | `joint_names` | bones | optional, texts |
+//! | `vertices`, `faces`, `shape_directions`, `pose_directions`, `names` | | other names of `v_template`, `f`, `shapedirs`, `posedirs`, `joint_names` |
+//! | `joints`, `joint_directions` | bones × 3, bones × 3 × shapes | in place of `J_regressor`; the second where there are shapes |
+//! | `parents` | bones | in place of `kintree_table`: each bone's parent, −1 of the first |
+//! | `weight_bones` | vertices × any | the bones that the columns of `weights`, of the same shape, are of |
 //! | `hands_mean`, `hands_components` | 45, components × 45 | optional; SMPL-H and SMPL-X: one each with `l` and `r` at its end |
 //!
 //! Other keys are not read, and any numeric type will do. What the keys mean is the published
@@ -30,9 +34,12 @@ mod tests;
 mod write;
 
 pub use hand_pose::HandPose;
+#[cfg(test)]
+pub(crate) use write::pack;
 pub use write::write_smpl;
 
 use super::{file, npz, pickle};
+use crate::arrays::Arrays;
 use std::ops::Range;
 use std::path::Path;
 use supple::Result;
@@ -110,24 +117,33 @@ pub fn read_smpl_model(path: impl AsRef<Path>) -> Result<SmplModel> {
 /// Reads a model from a file's `bytes`; `path` names it in errors. See [`read_smpl_model`].
 pub fn parse_smpl(bytes: &[u8], path: &Path) -> Result<SmplModel> {
     let arrays = if npz::is_archive(bytes) {
+        if npz::holds_any(bytes, &crate::amass::POSES) {
+            let problem = "is a motion (AMASS), and a body is needed: name the motion in a scene, or by --motion";
+            return Err(supple::Error::format(path, "archive", problem));
+        }
         npz::parse(bytes, path, &fields::KEYS)?
     } else {
         pickle::parse(bytes, path, &fields::KEYS)?
     };
-    let template = fields::template(&arrays)?;
+    model_of(&arrays)
+}
+
+/// The model that `arrays` are.
+pub(crate) fn model_of(arrays: &Arrays) -> Result<SmplModel> {
+    let template = fields::template(arrays)?;
     let vertices = template.len();
-    let tree = fields::tree(&arrays)?;
+    let tree = fields::tree(arrays)?;
     let bones = tree.parents.len();
     let kind = names::kind(bones);
-    let shapes = fields::shape_directions(&arrays, vertices)?;
+    let shapes = fields::shape_directions(arrays, vertices)?;
     let (betas, expression) = shape_columns(kind, shapes.len());
     let model = ParametricModel {
-        triangles: fields::triangles(&arrays, vertices)?,
+        triangles: fields::triangles(arrays, vertices)?,
         shape_directions: [&shapes[betas.clone()], &shapes[expression]].concat(),
-        pose_directions: fields::pose_directions(&arrays, vertices, &tree)?,
-        weights: fields::weights(&arrays, vertices, &tree)?,
-        joint_regressor: fields::joint_regressor(&arrays, vertices, &tree)?,
-        names: fields::names(&arrays, kind, &tree)?,
+        pose_directions: fields::pose_directions(arrays, vertices, &tree)?,
+        weights: fields::weights(arrays, vertices, &tree)?,
+        joints: fields::joints(arrays, vertices, &tree, shapes.len())?,
+        names: fields::names(arrays, kind, &tree)?,
         parents: tree.parents.clone(),
         template,
     };
@@ -136,6 +152,6 @@ pub fn parse_smpl(bytes: &[u8], path: &Path) -> Result<SmplModel> {
         model,
         file_order: (0..bones).map(|j| tree.index_of(j)).collect(),
         shapes: betas.len(),
-        hands: hand_pose::read(&arrays, kind, &tree)?,
+        hands: hand_pose::read(arrays, kind, &tree)?,
     })
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::io::{Cursor, Write};
 use std::path::Path;
 use supple::{Error, Result};
-use supple_bake::ParametricModel;
+use supple_bake::{Joints, ParametricModel};
 use zip::write::SimpleFileOptions;
 
 /// Writes `model` to `path`. The same model gives the same bytes.
@@ -16,7 +16,8 @@ pub fn write_smpl(model: &ParametricModel, path: impl AsRef<Path>) -> Result<()>
     std::fs::write(path, bytes).map_err(|e| Error::io(path, e))
 }
 
-fn pack(arrays: &[(&str, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
+/// An archive of these arrays, by name.
+pub(crate) fn pack(arrays: &[(&str, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default()
         .compression_method(zip::CompressionMethod::Deflated)
@@ -38,11 +39,6 @@ fn arrays(model: &ParametricModel) -> Vec<(&'static str, Vec<u8>)> {
         row.iter()
             .for_each(|w| weights[v * bones + w.bone as usize] = w.weight);
     }
-    let mut regressor = vec![0.0; bones * vertices];
-    for (j, row) in model.joint_regressor.iter().enumerate() {
-        row.iter()
-            .for_each(|(v, share)| regressor[j * vertices + *v as usize] = *share);
-    }
     let parents = model.parents.iter().map(|p| p.unwrap_or(u32::MAX));
     let tree: Vec<u32> = parents.chain(0..bones as u32).collect();
     let triangles = model.triangles.as_flattened();
@@ -53,10 +49,30 @@ fn arrays(model: &ParametricModel) -> Vec<(&'static str, Vec<u8>)> {
         ),
         ("f", encode_u32(&[model.triangles.len(), 3], triangles)),
         ("weights", encode_f64(&[vertices, bones], &weights)),
-        ("J_regressor", encode_f64(&[bones, vertices], &regressor)),
         ("kintree_table", encode_u32(&[2, bones], &tree)),
         ("joint_names", encode_texts(&model.names)),
     ];
+    match &model.joints {
+        Joints::Regressor(rows) => {
+            let mut regressor = vec![0.0; bones * vertices];
+            for (j, row) in rows.iter().enumerate() {
+                row.iter()
+                    .for_each(|(v, share)| regressor[j * vertices + *v as usize] = *share);
+            }
+            out.push(("J_regressor", encode_f64(&[bones, vertices], &regressor)));
+        }
+        Joints::Given {
+            template,
+            directions,
+        } => {
+            out.push(("joints", encode_f64(&[bones, 3], &numbers(template))));
+            if !directions.is_empty() {
+                let shape = [bones, 3, directions.len()];
+                let moved = encode_f64(&shape, &transposed(directions, bones));
+                out.push(("joint_directions", moved));
+            }
+        }
+    }
     for (key, directions) in [
         ("shapedirs", &model.shape_directions),
         ("posedirs", &model.pose_directions),
@@ -69,9 +85,9 @@ fn arrays(model: &ParametricModel) -> Vec<(&'static str, Vec<u8>)> {
     out
 }
 
-/// vertices × 3 × count numbers of `directions[k][v]`.
-fn transposed(directions: &[Vec<DVec3>], vertices: usize) -> Vec<f64> {
-    let place = (0..vertices).flat_map(|v| (0..3).map(move |axis| (v, axis)));
+/// points × 3 × count numbers of `directions[k][point]`.
+fn transposed(directions: &[Vec<DVec3>], points: usize) -> Vec<f64> {
+    let place = (0..points).flat_map(|v| (0..3).map(move |axis| (v, axis)));
     place
         .flat_map(|(v, axis)| directions.iter().map(move |d| d[v][axis]))
         .collect()

@@ -6,7 +6,7 @@ use supple::Error;
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::Rows;
 use supple::model::{SkinWeight, Surface};
-use supple_bake::ParametricModel;
+use supple_bake::{Joints, ParametricModel};
 use supple_files::{read_closed_obj, read_obj, read_smpl, write_obj, write_smpl};
 
 /// A tetrahedron with two bones, one shape and nine pose directions.
@@ -29,7 +29,7 @@ fn model() -> ParametricModel {
             vec![weight(1, 1.0)],
             vec![weight(0, 0.5), weight(1, 0.5)],
         ]),
-        joint_regressor: Rows::from_iter([vec![(0, 1.0)], vec![(1, 0.5), (2, 0.5)]]),
+        joints: Joints::Regressor(Rows::from_iter([vec![(0, 1.0)], vec![(1, 0.5), (2, 0.5)]])),
         parents: vec![None, Some(0)],
         names: vec!["root".into(), "tip".into()],
         template,
@@ -268,7 +268,10 @@ fn pickles_that_python_wrote_are_read() {
         pose_directions: (0..9)
             .map(|k| vectors(&|v, a| v + 2.0 * a - number(k) / 4.0))
             .collect(),
-        joint_regressor: Rows::from_iter([vec![(0, 1.0)], vec![(1, 0.5), (2, 0.25), (3, 0.25)]]),
+        joints: Joints::Regressor(Rows::from_iter([
+            vec![(0, 1.0)],
+            vec![(1, 0.5), (2, 0.25), (3, 0.25)],
+        ])),
         ..model()
     };
     for protocol in [0, 2, 4, 5] {

@@ -48,11 +48,11 @@ impl View {
         }
     }
 
-    /// The same picture quickly: few samples, few lamps.
+    /// The same picture quickly: few samples, few lamps; more where a floor shows their shadows one by one.
     pub fn draft(self) -> Self {
         Self {
             supersampling: 2,
-            lamps: 16,
+            lamps: if self.floor.is_some() { 96 } else { 16 },
             ..self
         }
     }

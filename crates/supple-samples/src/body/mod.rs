@@ -30,7 +30,7 @@ use crate::regressor::{joint_regressor, ring_share};
 use glam::DVec3;
 use supple::Result;
 use supple::model::{JointRange, SkinWeight};
-use supple_bake::ParametricModel;
+use supple_bake::{Joints, ParametricModel};
 
 /// Lengths are in mm inside this module and in m outside.
 const METRE: f64 = 1e-3;
@@ -89,7 +89,7 @@ pub fn body() -> Result<SampleBody> {
         shape_directions: directions.into_iter().map(in_metres).collect(),
         pose_directions: Vec::new(),
         weights,
-        joint_regressor,
+        joints: Joints::Regressor(joint_regressor),
         parents: (0..anatomy::BONES).map(anatomy::parent).collect(),
         names: anatomy::NAMES.map(String::from).to_vec(),
     };

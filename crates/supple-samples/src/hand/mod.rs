@@ -31,7 +31,7 @@ use crate::pose_columns::pose_columns;
 use crate::regressor::{joint_regressor, ring_share};
 use supple::Result;
 use supple::model::{JointRange, SkinWeight, Surface};
-use supple_bake::ParametricModel;
+use supple_bake::{Joints, ParametricModel};
 
 /// Lengths are in mm inside this module and in m outside.
 const METRE: f64 = 1e-3;
@@ -96,7 +96,7 @@ pub fn hand() -> Result<SampleHand> {
         shape_directions: directions.into_iter().map(in_metres).collect(),
         pose_directions: Vec::new(),
         weights,
-        joint_regressor,
+        joints: Joints::Regressor(joint_regressor),
         parents: (0..16).map(anatomy::parent).collect(),
         names: anatomy::NAMES.map(String::from).to_vec(),
     };

@@ -229,6 +229,14 @@ impl AvatarSource {
         }
     }
 
+    /// The character file, where the body is one's.
+    pub fn model(&self) -> Option<&Path> {
+        match &self.body_source()?.from {
+            BodyOrigin::Character(character) => Some(&character.model),
+            _ => None,
+        }
+    }
+
     /// The sample, where the body is one.
     pub fn sample(&self) -> Option<Sample> {
         match self.body_source()?.from {

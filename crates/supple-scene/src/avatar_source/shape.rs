@@ -1,7 +1,8 @@
-//! The shape that is asked of an avatar's source.
+//! Shape, size and up that are asked of an avatar's source.
 
-use super::{AvatarSource, BodyOrigin};
+use super::{AvatarSource, BodyOrigin, BodySource};
 use std::path::Path;
+use supple::model::UpAxis;
 use supple::{Error, Result};
 use supple_samples::Sample;
 
@@ -41,5 +42,37 @@ impl AvatarSource {
             "this body has one shape only; a character file that has shape directions is needed";
         *own.ok_or_else(|| Error::invalid("shape", problem))? = betas.to_vec();
         Ok(())
+    }
+
+    /// Says the size of the file's unit, m.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of a size that is not positive, and of what is baked already.
+    pub fn set_scale(&mut self, scale: f64) -> Result<()> {
+        if !(scale > 0.0 && scale.is_finite()) {
+            let problem = format!("must be positive (m a unit), is {scale}");
+            return Err(Error::invalid("scale", problem));
+        }
+        self.unbaked("scale")?.scale = Some(scale);
+        Ok(())
+    }
+
+    /// Says which axis points up in the file.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of what is baked already.
+    pub fn set_up(&mut self, up: UpAxis) -> Result<()> {
+        self.unbaked("up")?.up = Some(up);
+        Ok(())
+    }
+
+    fn unbaked(&mut self, key: &str) -> Result<&mut BodySource> {
+        match self {
+            Self::Body(body) => Ok(body),
+            _ => Err(Error::invalid(
+                key,
+                "is for a bake, and this is baked already",
+            )),
+        }
     }
 }

@@ -79,9 +79,11 @@ impl Driver {
             pins.iter().any(|(b, _)| *b == bone) || targets.iter().any(|(b, _)| *b == bone)
         };
         let motion = match motion.zip(playback) {
-            Some((motion, playback)) => Some(MotionDriver::new(
-                motion, playback, skeleton, &mut start, own,
-            )?),
+            Some((motion, playback)) => {
+                let step = scene.settings.time_step;
+                let driver = MotionDriver::new(motion, playback, skeleton, &mut start, step, own)?;
+                Some(driver)
+            }
             None => None,
         };
         start.extend(scene.bodies.iter().map(SceneBody::initial_frame));
@@ -97,7 +99,7 @@ impl Driver {
         })
     }
 
-    /// Puts `instance` where the scene starts, at rest but for its bodies.
+    /// Puts `instance` where the scene starts, at rest but for its bodies and a clip that is not eased in.
     pub fn start(&self, avatar: &Avatar, instance: &mut Instance) {
         instance.pose(&self.start, &avatar.skeleton.parents);
         instance.gravity = self.gravity;
@@ -117,7 +119,7 @@ impl Driver {
         };
         instance.targets = self.targets.iter().map(target).collect();
         if let Some(motion) = &self.motion {
-            motion.start(&self.start, instance);
+            motion.start(&self.start, self.time_step, instance);
         }
         let collider = |c: &SceneCollider| Collider {
             stiffness: c.stiffness,

@@ -2,6 +2,7 @@
 
 use crate::motion::{Playback, RootTracking, TrackedMotion};
 use supple::Result;
+use supple::internal::math::rotation_log;
 use supple::model::{Frame, Skeleton};
 use supple::sim::{Instance, Pin};
 use supple::skeleton::Tracking;
@@ -16,23 +17,31 @@ pub(super) struct MotionDriver {
     bones: Vec<usize>,
     /// The one of them whose place follows too.
     root: Option<usize>,
+    /// Where the motion is a step after its start, if it begins at once.
+    next: Option<Vec<Frame>>,
 }
 
 impl MotionDriver {
     /// Drives all mapped bones but those for which `own` holds: the scene drives them itself. `start` is
-    /// where the avatar stands; with nothing to ease in it becomes the motion's first pose.
+    /// where the avatar stands; with nothing to ease in it becomes the motion's first pose, and bones begin as fast as a
+    /// clip has them move in its first `time_step`, s.
     pub fn new(
         options: &TrackedMotion,
         mut playback: Playback,
         skeleton: &Skeleton,
         start: &mut Vec<Frame>,
+        time_step: f64,
         own: impl Fn(usize) -> bool,
     ) -> Result<Self> {
         playback.stand_at(start);
         let root = playback.retarget().root();
         let bones = playback.retarget().driven().filter(|&b| !own(b)).collect();
+        let mut next = None;
         if options.ease_in == 0.0 {
             *start = playback.frames(0.0)?;
+            if let Playback::Clip(_) = playback {
+                next = Some(playback.frames(time_step)?);
+            }
         }
         Ok(Self {
             playback,
@@ -40,6 +49,7 @@ impl MotionDriver {
             options: options.clone(),
             root: root.filter(|&b| !own(b)),
             bones,
+            next,
         })
     }
 
@@ -56,8 +66,14 @@ impl MotionDriver {
         self.options.root == RootTracking::Pin && self.root == Some(bone)
     }
 
-    /// Adds targets, and a pin, at `start`.
-    pub fn start(&self, start: &[Frame], instance: &mut Instance) {
+    /// Adds targets, and a pin, at `start`, and lets bones move on from there as the motion does.
+    pub fn start(&self, start: &[Frame], time_step: f64, instance: &mut Instance) {
+        for (bone, next) in self.next.iter().flatten().enumerate() {
+            let now = start[bone];
+            let velocity = (next.position - now.position) / time_step;
+            let turn = rotation_log(next.rotation * now.rotation.transpose());
+            instance.set_motion(bone, now, velocity, turn / time_step, time_step);
+        }
         for &bone in &self.bones {
             let frame = start[bone];
             if self.pinned(bone) {

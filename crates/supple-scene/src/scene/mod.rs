@@ -196,6 +196,8 @@ pub struct Output {
     pub draft: bool,
     /// Steps from one recorded state to the next, in the GLB file.
     pub record_every: usize,
+    /// Height of a ground that is drawn by the shadows on it alone, m.
+    pub floor: Option<f64>,
 }
 
 /// A picture's time.
@@ -215,6 +217,20 @@ pub struct PanelTime {
     /// Whether colliders are drawn: without them the skin that they hide is seen.
     #[serde(default = "drawn")]
     pub colliders: bool,
+}
+
+impl PanelTime {
+    /// Everything, from where the scene looks, at `time` in s.
+    pub fn new(time: f64, caption: String) -> Self {
+        Self {
+            time,
+            caption,
+            focus: None,
+            view: None,
+            inset: None,
+            colliders: true,
+        }
+    }
 }
 
 /// How the reference shape is looked at.
@@ -258,6 +274,7 @@ impl Default for Output {
             legend_mm: None,
             draft: false,
             record_every: 2,
+            floor: None,
         }
     }
 }
@@ -269,7 +286,7 @@ fn drawn() -> bool {
 /// Gravity of the earth, m/s².
 const EARTH: f64 = 9.81;
 
-fn contact_stiffness() -> f64 {
+pub(crate) fn contact_stiffness() -> f64 {
     1e8
 }
 

@@ -114,14 +114,7 @@ fn not_finite(value: &Value, key: String) -> Option<String> {
 impl Scene {
     /// Pictures of a scene that asks for none: settled, at full press, and at the end.
     fn default_panels(&self) -> Vec<PanelTime> {
-        let panel = |time: f64| PanelTime {
-            time,
-            caption: format!("{time:.2} s"),
-            focus: None,
-            view: None,
-            inset: None,
-            colliders: true,
-        };
+        let panel = |time: f64| PanelTime::new(time, format!("{time:.2} s"));
         let mut times = vec![
             self.measure.settled,
             self.measure.full_press,

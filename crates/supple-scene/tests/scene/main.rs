@@ -4,6 +4,7 @@ mod assets;
 mod documented_keys;
 mod motion;
 mod scenes;
+mod showing;
 mod standing;
 #[path = "../../../../tests/engine/support.rs"]
 mod support;

@@ -1,0 +1,116 @@
+//! `supple play`.
+
+use super::backend::BackendFlags;
+use super::body_flags::BodyFlags;
+use super::make_folder;
+use super::motion_flags::{MotionFlags, from_file};
+use super::simulate::tell_motion;
+use super::simulate_report::{print_report, warn_of_the_implausible};
+use super::terminal::{baking_if_needed, print, print_json, to_json};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use supple::{Error, Result};
+use supple_files::{CharacterFormat, FileKind, read_gltf_motions, write_glb};
+use supple_pictures::picture_animation;
+use supple_scene::{AvatarSource, Report, Scene, Showing, TrackedMotion, load_avatar};
+
+/// Arguments of `supple play`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A character (.glb, .gltf, .vrm, .npz, .pkl, .obj, tets), a baked file, or a recipe.
+    file: PathBuf,
+    #[command(flatten)]
+    body: BodyFlags,
+    /// A motion to follow in place of the character's own: .bvh, .npz (AMASS), .glb, .vrma, .jsonl, .js;
+    /// `-` reads poses as JSON lines from standard input.
+    #[arg(long, value_name = "FILE")]
+    motion: Option<PathBuf>,
+    #[command(flatten)]
+    of_motion: MotionFlags,
+    /// How long [default: the clip, 8 s at most].
+    #[arg(long)]
+    seconds: Option<f64>,
+    #[command(flatten)]
+    backend: BackendFlags,
+    /// Write the report to stdout as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Where results go [default: out/<FILE>.play].
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Where bakes are kept.
+    #[arg(long, default_value = "out/cache")]
+    cache: PathBuf,
+}
+
+/// What is told of it.
+#[derive(Serialize)]
+struct Told<'a> {
+    showing: &'a Showing,
+    #[serde(flatten)]
+    report: &'a Report,
+}
+
+impl Arguments {
+    /// Bakes if needed, plays, and writes `play.png`, `avatar.glb` and `report.json`.
+    pub fn run(self) -> Result<()> {
+        let source = self.body.source(&self.file)?;
+        let motion = from_file(own_clip(&source)?, self.motion.as_ref());
+        let motion = self.of_motion.apply(motion)?;
+        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
+        let mut scene = Scene::of_avatar(&stem, source);
+        let avatar = load_avatar(&scene.avatar, &self.cache, &mut baking_if_needed())?;
+        let avatar = Arc::new(avatar);
+        let showing = scene.show(&avatar, motion, self.seconds)?;
+        eprintln!("{stem}: {showing}");
+        let run = self.backend.simulate(&scene, &avatar)?;
+        tell_motion(&run);
+        let folder = self.output.clone();
+        let folder =
+            folder.unwrap_or_else(|| Path::new("out").join(format!("{}.play", scene.name)));
+        make_folder(&folder)?;
+        let pictures = &run.snapshots;
+        eprintln!("drawing {} pictures", pictures.len());
+        let frame_time = match &scene.output.panels[..] {
+            [first, second, ..] => second.time - first.time,
+            _ => 1.0,
+        };
+        picture_animation(&scene, &avatar, pictures, frame_time)
+            .write_png(&folder.join("play.png"))?;
+        write_glb(&avatar, &run.recording, folder.join("avatar.glb"))?;
+        let told = Told {
+            showing: &showing,
+            report: &run.report,
+        };
+        let path = folder.join("report.json");
+        std::fs::write(&path, to_json(&told)?).map_err(|e| Error::io(&path, e))?;
+        warn_of_the_implausible(&run.report);
+        if self.json {
+            return print_json(&told);
+        }
+        print_report(&run.report);
+        let folder = folder.display();
+        print(format_args!(
+            "\n{folder}/play.png moves in a browser; {folder}/avatar.glb opens in any viewer of glTF"
+        ));
+        Ok(())
+    }
+}
+
+/// The motion that a character's own file holds, if it is a glTF file and does.
+fn own_clip(source: &AvatarSource) -> Result<Option<TrackedMotion>> {
+    let Some(model) = source.model() else {
+        return Ok(None);
+    };
+    if FileKind::of(model)? != FileKind::Character(CharacterFormat::Gltf) {
+        return Ok(None);
+    }
+    // A character whose animation is broken is shown all the same.
+    let moves = read_gltf_motions(model).map(|clips| !clips.is_empty());
+    let moves = moves.unwrap_or_else(|e| {
+        eprintln!("note: no clip of its own: {e}");
+        false
+    });
+    Ok(moves.then(|| TrackedMotion::of_file(model)))
+}

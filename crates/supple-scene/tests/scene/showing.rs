@@ -1,0 +1,160 @@
+//! An avatar that no scene was written for.
+
+use crate::support::{SMALL, full_space_limb};
+use std::path::Path;
+use std::sync::Arc;
+use supple::collider::Shape;
+use supple::glam::DVec3;
+use supple::internal::cpu::posed_skin;
+use supple::model::{Avatar, UpAxis};
+use supple::potential::CpuPotential;
+use supple::sim::Simulation;
+use supple_files::{MotionClip, MotionFrame, bvh_text};
+use supple_scene::{
+    AvatarSource, Driver, Scene, SceneRun, Showing, TrackedMotion, parse_scene, run_scene,
+};
+
+fn limb(up: UpAxis) -> Arc<Avatar> {
+    let mut avatar = full_space_limb(&SMALL, 2, true);
+    avatar.up = up;
+    Arc::new(avatar)
+}
+
+fn scene() -> Scene {
+    Scene::of_avatar(
+        "a limb",
+        AvatarSource::of_sample(supple_samples::Sample::LimbS),
+    )
+}
+
+fn run(scene: &Scene, avatar: &Arc<Avatar>) -> SceneRun {
+    let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
+    let mut simulation = Simulation::new(avatar, potential, scene.settings).unwrap();
+    run_scene(scene, avatar, &mut simulation, &mut |_| {}).unwrap()
+}
+
+/// Height of the ground, and the least height of the skin where the bones are led to.
+fn heights(scene: &Scene, avatar: &Arc<Avatar>) -> (f64, f64) {
+    let up = scene.up().direction();
+    let ground = scene
+        .colliders
+        .iter()
+        .find(|c| *c.shape == Shape::HalfSpace);
+    let ground = ground.unwrap().motion.at(0.0);
+    assert_eq!(
+        (ground.rotation * DVec3::Z).dot(up),
+        1.0,
+        "its outside is up"
+    );
+    let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
+    let mut simulation = Simulation::new(avatar, potential, scene.settings).unwrap();
+    let instance = &mut simulation.instances_mut()[0];
+    let mut driver = Driver::new(scene, avatar).unwrap();
+    driver.start(avatar, instance);
+    let mut low = f64::INFINITY;
+    for step in 1..=scene.steps {
+        let time = scene.settings.time_step * step as f64;
+        driver.drive(time, instance).unwrap();
+        let mut state = avatar.rest_state();
+        let pins = instance.pins.iter().map(|p| (p.bone, p.frame));
+        let targets = instance.targets.iter().map(|t| (t.bone, t.frame));
+        for (bone, frame) in pins.chain(targets) {
+            state.frames[bone] = frame;
+        }
+        let skin = posed_skin(avatar, &state).positions;
+        low = skin.iter().map(|p| p.dot(up)).fold(low, f64::min);
+    }
+    (ground.position.dot(up), low)
+}
+
+#[test]
+fn what_nothing_moves_is_shaken_on_its_ground() {
+    for up in [UpAxis::X, UpAxis::Y, UpAxis::Z] {
+        let avatar = limb(up);
+        let mut scene = scene();
+        assert!(scene.is_idle());
+        let showing = scene.show(&avatar, None, None).unwrap();
+        assert!(!scene.is_idle());
+        let Showing::Shaken { seconds } = showing else {
+            panic!("{showing:?}")
+        };
+        assert!((1.0..4.0).contains(&seconds), "{seconds} s");
+        let (ground, low) = heights(&scene, &avatar);
+        assert!((ground - low).abs() < 1e-12, "{ground} m, {low} m");
+    }
+    let avatar = limb(UpAxis::Z);
+    let mut scene = scene();
+    scene.show(&avatar, None, None).unwrap();
+    let run = run(&scene, &avatar);
+    assert!(
+        run.report.max_unposed_displacement_mm > 0.1,
+        "{:?}",
+        run.report
+    );
+    assert!(run.report.det_f() > 0.2, "{:?}", run.report);
+    let frames = run.recording.states.iter().map(|s| s.frames[0].position);
+    let moved = frames
+        .clone()
+        .map(|p| p.distance(run.recording.states[0].frames[0].position));
+    assert!(moved.fold(0.0, f64::max) > 1e-3, "the bones are carried");
+    assert_eq!(run.snapshots.len(), scene.output.panels.len());
+    let gap = scene.output.panels[1].time - scene.output.panels[0].time;
+    assert!((gap - 0.05).abs() < 1e-12, "20 a second");
+}
+
+/// Bends the second bone down by and by, and sinks.
+fn sinking(avatar: &Avatar, folder: &Path) -> TrackedMotion {
+    let character = avatar.character();
+    let turn = |k: usize| supple::glam::DQuat::from_rotation_y(0.02 * k as f64);
+    let frame = |k: usize| MotionFrame {
+        rotations: vec![supple::glam::DQuat::IDENTITY, turn(k)],
+        translations: vec![-0.002 * k as f64 * DVec3::Z],
+    };
+    let clip = MotionClip {
+        name: "sinking".into(),
+        bones: character.names.clone(),
+        parents: character.parents.clone(),
+        rest_joints: Some(character.joints.clone()),
+        frame_time: 0.05,
+        translated: vec![0],
+        frames: (0..=30).map(frame).collect(),
+        world_up: UpAxis::Z,
+        rest_up: UpAxis::Z,
+        ..MotionClip::default()
+    };
+    let path = folder.join("sinking.bvh");
+    std::fs::write(&path, bvh_text(&clip)).unwrap();
+    TrackedMotion {
+        up: Some(UpAxis::Z),
+        ..TrackedMotion::of_file(path)
+    }
+}
+
+#[test]
+fn a_clip_is_played_above_a_ground_that_its_lowest_pose_reaches() {
+    let folder = tempfile::tempdir().unwrap();
+    let avatar = limb(UpAxis::Z);
+    let mut scene = scene();
+    let motion = sinking(&avatar, folder.path());
+    let showing = scene.show(&avatar, Some(motion), None).unwrap();
+    assert!(
+        matches!(showing, Showing::Follows { seconds, .. } if (seconds - 1.5).abs() < 1e-9),
+        "{showing:?}"
+    );
+    let (ground, low) = heights(&scene, &avatar);
+    // Poses are looked at 20 times a second: between two of them the clip sinks less than 4 mm.
+    assert!((ground - low).abs() < 4e-3, "{ground} m, {low} m");
+    scene.show(&avatar, None, Some(0.0)).unwrap_err();
+}
+
+#[test]
+fn a_scene_with_anything_in_it_is_not_idle() {
+    let text = |keys: &str| {
+        let text = format!("name = \"limb\"\nsteps = 9\n[avatar]\nsample = \"limb_s\"\n{keys}");
+        parse_scene(&text, Path::new("scene.toml")).unwrap()
+    };
+    assert!(text("").is_idle());
+    assert!(!text("[[pins]]\nbone = \"bone\"\n").is_idle());
+    let ball = "[[colliders]]\nname = \"ball\"\nshape = { shape = \"sphere\", radius = 0.03 }\n";
+    assert!(!text(ball).is_idle());
+}
