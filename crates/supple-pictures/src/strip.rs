@@ -165,8 +165,9 @@ impl Legend {
         }
         // Numbers that would touch stand twice as far apart.
         let mut step = tick_step(span);
-        let widest = text_width(&format!("{high:.0}  "), size) as f64;
-        while step > 0.0 && step / span * (length as f64) < widest {
+        let room = |step: f64| step / span * length as f64;
+        let widest = |step: f64| text_width(&tick_label(high, step), size) + size;
+        while step > 0.0 && room(step) < widest(step) as f64 {
             step *= 2.0;
         }
         if step == 0.0 {
@@ -178,14 +179,15 @@ impl Legend {
             let value = k as f64 * step;
             let x = left + ((value - low) / span * (length - 1) as f64).round() as i64;
             sheet.fill(x, bar + line * 3 / 4, 1, size / 4, ink);
-            let decimals = if step < 1.0 {
-                (-step.log10().floor()) as usize
-            } else {
-                0
-            };
-            centred(sheet, &format!("{value:.decimals$}"), x, bar + line * 9 / 8);
+            centred(sheet, &tick_label(value, step), x, bar + line * 9 / 8);
         }
     }
+}
+
+/// `value` with as many decimals as tell it from those a `step` away.
+fn tick_label(value: f64, step: f64) -> String {
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    format!("{value:.decimals$}")
 }
 
 /// A round step (1, 2 or 5 times a power of ten) that gives four to ten ticks up to `maximum`.

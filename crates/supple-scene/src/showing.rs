@@ -117,7 +117,7 @@ impl Scene {
         };
         let (Showing::Follows { seconds, .. } | Showing::Shaken { seconds }) = showing;
         let step = self.settings.time_step;
-        self.steps = ((seconds / step).ceil() as usize).max(1);
+        self.steps = ((seconds / step + 1e-9).floor() as usize).max(1);
         self.measure = Measure {
             settled: 0.0,
             full_press: self.duration(),
@@ -180,7 +180,7 @@ impl Scene {
         const SHARE: f64 = 0.03;
         const SWINGS: usize = 4;
         const HOPS: usize = 2;
-        const SWINGS_OUT: f64 = 1.0;
+        const SWINGS_OUT: f64 = 0.6;
         let start = self.standing(avatar);
         let up = self.up().direction();
         let skin = posed_skin(avatar, &start).positions;

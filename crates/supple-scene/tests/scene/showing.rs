@@ -158,3 +158,31 @@ fn a_scene_with_anything_in_it_is_not_idle() {
     let ball = "[[colliders]]\nname = \"ball\"\nshape = { shape = \"sphere\", radius = 0.03 }\n";
     assert!(!text(ball).is_idle());
 }
+
+/// The tissue feels no push where a clip begins at speed.
+#[test]
+fn a_clip_begins_as_fast_as_it_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let avatar = limb(UpAxis::Z);
+    let mut scene = scene();
+    scene.gravity = Some(DVec3::ZERO);
+    let motion = sinking(&avatar, folder.path());
+    scene.show(&avatar, Some(motion), None).unwrap();
+    scene.colliders.clear();
+    let pushed = |at_rest: bool| {
+        let potential = CpuPotential::new(avatar.clone(), 1).unwrap();
+        let mut simulation = Simulation::new(&avatar, potential, scene.settings).unwrap();
+        let mut driver = Driver::new(&scene, &avatar).unwrap();
+        let instance = &mut simulation.instances_mut()[0];
+        driver.start(&avatar, instance);
+        if at_rest {
+            instance.set_state(instance.state.clone());
+        }
+        driver.drive(scene.settings.time_step, instance).unwrap();
+        simulation.step_blocking().unwrap();
+        let handles = &simulation.instances()[0].state.handles;
+        handles.iter().map(|u| u.length()).fold(0.0, f64::max)
+    };
+    let (moving, at_rest) = (pushed(false), pushed(true));
+    assert!(moving < 0.2 * at_rest, "{moving} m, {at_rest} m");
+}
