@@ -4,7 +4,7 @@ use crate::support::{SMALL, full_space_limb};
 use std::path::Path;
 use std::sync::Arc;
 use supple::collider::Shape;
-use supple::glam::DVec3;
+use supple::glam::{DQuat, DVec3};
 use supple::internal::cpu::posed_skin;
 use supple::model::{Avatar, UpAxis};
 use supple::potential::CpuPotential;
@@ -105,9 +105,9 @@ fn what_nothing_moves_is_shaken_on_its_ground() {
 /// Bends the second bone down by and by, and sinks.
 fn sinking(avatar: &Avatar, folder: &Path) -> TrackedMotion {
     let character = avatar.character();
-    let turn = |k: usize| supple::glam::DQuat::from_rotation_y(0.02 * k as f64);
+    let turn = |k: usize| DQuat::from_rotation_y(0.02 * k as f64);
     let frame = |k: usize| MotionFrame {
-        rotations: vec![supple::glam::DQuat::IDENTITY, turn(k)],
+        rotations: vec![DQuat::IDENTITY, turn(k)],
         translations: vec![-0.002 * k as f64 * DVec3::Z],
     };
     let clip = MotionClip {
