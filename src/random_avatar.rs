@@ -52,6 +52,7 @@ pub fn random_avatar(
         up: UpAxis::Z,
         skeleton,
         bone_masses,
+        springs: Default::default(),
         handles: handle_positions,
         cubature,
         layer: layer(random, bones, handles, tissue),

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use supple::Result;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::cpu::Exact;
-use supple::model::{Avatar, State};
-use supple::potential::{CpuPotential, GpuOptions, GpuPotential, HessianForm, Potential};
+use supple::model::{Avatar, Space, State};
+use supple::potential::{BlockPattern, CpuPotential, GpuOptions, GpuPotential, HessianForm, Potential};
 use supple::sim::{Instance, Iteration, Settings, Simulation, SolverMode, StepReport};
 use supple_bake::SparseCholesky;
 use supple_pictures::Curves;
@@ -215,7 +215,12 @@ fn energy_floor(
     let mut bones = vec![[0.0; 9]; rows * (rows + 1) / 2];
     let skeleton = simulation.skeleton_potential(0);
     let gradient = &mut vec![0.0; hessian.len()];
-    skeleton.add_derivatives(&minimum.frames, gradient, &mut bones);
+    let space = Space {
+        frames: minimum.frames.len(),
+        handles: 0,
+    };
+    let pattern = BlockPattern::new(space, &[], &[]);
+    skeleton.add_derivatives(&minimum.frames, gradient, &mut bones, &pattern);
     for row in 0..rows {
         for column in 0..=row {
             let block = &bones[row * (row + 1) / 2 + column];

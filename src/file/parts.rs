@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `bone` | name, skeleton, bone masses | refused |
 //! | `join` | the file's joints and skins, and the bone of each joint | each bone is a joint with F = 1 |
+//! | `sprg` | spring bones: chains, joints, colliders | nothing swings |
 //! | `upax` | the axis that points up in the reference shape | y |
 //! | `hndl` | rest positions of the handles | no handles |
 //! | `cuba` | cubature points | refused |
@@ -23,7 +24,7 @@ use crate::material::{LocalTissue, Material};
 use crate::math::Rows;
 use crate::model::{
     Avatar, BasisEntry, BoneMass, JointList, PointSet, PoseBlend, RenderMesh, Skeleton, SkinWeight,
-    SoftLayer, UpAxis,
+    SoftLayer, SpringBones, UpAxis,
 };
 use crate::{Error, Result};
 use glam::DVec3;
@@ -37,6 +38,7 @@ const VERSION: u32 = 1;
 
 const BONES: [u8; 4] = *b"bone";
 const JOINTS: [u8; 4] = *b"join";
+const SPRINGS: [u8; 4] = *b"sprg";
 const UP_AXIS: [u8; 4] = *b"upax";
 const HANDLES: [u8; 4] = *b"hndl";
 const CUBATURE: [u8; 4] = *b"cuba";
@@ -106,6 +108,9 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
     if avatar.joints != JointList::of_bones(&avatar.skeleton) {
         sections.push(section(JOINTS, &avatar.joints)?);
     }
+    if avatar.springs != SpringBones::default() {
+        sections.push(section(SPRINGS, &avatar.springs)?);
+    }
     if avatar.up != UpAxis::default() {
         sections.push(section(UP_AXIS, &avatar.up)?);
     }
@@ -154,6 +159,7 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         up: reader.optional(UP_AXIS)?.unwrap_or_default(),
         skeleton: skeleton.into_owned(),
         bone_masses: masses.into_owned(),
+        springs: reader.optional(SPRINGS)?.unwrap_or_default(),
         handles: reader.optional(HANDLES)?.unwrap_or_default(),
         cubature: reader.points(cubature, CUBATURE_POSE)?,
         skin: reader.points(skin, SKIN_POSE)?,

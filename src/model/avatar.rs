@@ -1,7 +1,8 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
 use super::{
-    BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, State, TetMesh, UpAxis,
+    BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, SpringBones, State, TetMesh,
+    UpAxis,
 };
 use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;
@@ -49,6 +50,8 @@ pub struct Avatar {
     pub up: UpAxis,
     /// Mass of each bone; [`BoneMass::NONE`] of one that is carried ([`Avatar::is_carried`]).
     pub bone_masses: Vec<BoneMass>,
+    /// Carried bones that swing.
+    pub springs: SpringBones,
     /// Rest position of each handle, m.
     pub handles: Vec<DVec3>,
     /// Tissue points that carry inertia and elasticity; `measure` is the cubature weight, m³.
@@ -159,6 +162,12 @@ impl Avatar {
         self.bone_masses.get(bone) == Some(&BoneMass::NONE)
     }
 
+    /// Whether each frame is carried, see [`Avatar::is_carried`].
+    pub fn carried(&self) -> Vec<bool> {
+        let frames = 0..self.skeleton.len();
+        frames.map(|bone| self.is_carried(bone)).collect()
+    }
+
     /// Whether carried bones move only what has no mass and hang on others.
     fn carried_are_sound(&self) -> bool {
         let carried = |bone: u32| self.is_carried(bone as usize);
@@ -245,6 +254,13 @@ impl Avatar {
             self.carried_are_sound(),
             "bone_masses",
             "a bone without mass is a root, moves tissue, or carries one with mass",
+        )?;
+        (self.springs.validate(&self.skeleton.parents)).map_err(|e| e.within("springs"))?;
+        let mut sprung = self.springs.joints.iter().map(|joint| joint.bone);
+        check(
+            sprung.all(|bone| self.is_carried(bone as usize)),
+            "springs.joints",
+            "a bone has mass on or below it",
         )?;
         check(
             self.handles.iter().all(|h| h.is_finite()),

@@ -226,6 +226,7 @@ impl RigidBody {
             up: UpAxis::default(),
             skeleton,
             bone_masses: vec![self.mass],
+            springs: Default::default(),
             handles: Vec::new(),
             cubature: PointSet::default(),
             skin,

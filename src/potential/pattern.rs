@@ -13,8 +13,8 @@ pub struct BlockPattern {
 
 impl BlockPattern {
     /// The pattern of everything that moves `sets` of points. Blocks of frames among themselves are
-    /// always there, for the skeleton's terms.
-    pub fn new(space: Space, sets: &[&PointSet]) -> Self {
+    /// always there, for the skeleton's terms; of those that are `carried` (none where that is empty) only their own.
+    pub fn new(space: Space, carried: &[bool], sets: &[&PointSet]) -> Self {
         let mut blocks = Vec::new();
         let touched = |set: &&PointSet| -> Rows<u32> {
             let rows = (0..set.len()).map(|i| {
@@ -24,17 +24,18 @@ impl BlockPattern {
             rows.collect()
         };
         let touched: Vec<_> = sets.iter().map(touched).collect();
-        Self::from_blocks(space, &touched.iter().collect::<Vec<_>>())
+        Self::from_blocks(space, carried, &touched.iter().collect::<Vec<_>>())
     }
 
     /// The pattern of points that each move with a row of blocks.
-    pub fn from_blocks(space: Space, sets: &[&Rows<u32>]) -> Self {
+    pub fn from_blocks(space: Space, carried: &[bool], sets: &[&Rows<u32>]) -> Self {
         let mut rows = vec![BTreeSet::new(); space.blocks()];
-        for row in 0..2 * space.frames {
-            rows[row].extend(0..=row as u32);
+        let moves = |block: usize| !carried.get(block / 2).is_some_and(|carried| *carried);
+        for row in (0..2 * space.frames).filter(|&row| moves(row)) {
+            rows[row].extend((0..=row as u32).filter(|&column| moves(column as usize)));
         }
-        for row in 2 * space.frames..space.blocks() {
-            rows[row].insert(row as u32);
+        for (row, columns) in rows.iter_mut().enumerate() {
+            columns.insert(row as u32);
         }
         let mut touched = Vec::new();
         for blocks in sets.iter().flat_map(|set| set.iter()) {
@@ -92,8 +93,13 @@ impl BlockPattern {
 
     /// Index of the stored block (`row`, `column`), `row ≥ column`.
     pub fn find(&self, row: usize, column: usize) -> Option<usize> {
-        let range = self.columns.range(row);
-        let at = self.columns.row(row).binary_search(&(column as u32)).ok()?;
+        let (range, columns) = (self.columns.range(row), self.columns.row(row));
+        let column = column as u32;
+        // Most rows of frames are full from their start on.
+        let at = match columns.get(column as usize) {
+            Some(there) if *there == column => column as usize,
+            _ => columns.binary_search(&column).ok()?,
+        };
         Some(range.start + at)
     }
 

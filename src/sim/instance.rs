@@ -2,7 +2,7 @@
 
 use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
-use crate::model::{Avatar, Frame, PoseOffsets, State, is_rotation};
+use crate::model::{Avatar, Frame, PoseOffsets, State, UpAxis, is_rotation};
 use crate::potential::{PreviousSkin, TissueFactors};
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
@@ -18,12 +18,25 @@ pub struct Pin {
     pub frame: Frame,
 }
 
+/// Which spring bones ([`SpringBones`](crate::model::SpringBones)) swing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum SpringMode {
+    /// None: they are carried as other bones without mass are.
+    Off,
+    /// Those that no pin holds: what a host prescribes is where it says.
+    #[default]
+    Free,
+    /// All of them: a pin of one says no more than where it is at rest, seen from its parent, as a target does.
+    All,
+}
+
 /// What changes in time. Everything here may be written between steps.
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// qⁿ.
     pub state: State,
-    /// qⁿ⁻¹: the velocity is what led from it to qⁿ.
+    /// qⁿ⁻¹: the velocity is what led from it to qⁿ; of a spring bone that of its tail, which is all that its frame here says.
     pub previous: State,
     /// Springs and dampers that draw bones to moving targets. After a step each target's
     /// `previous` becomes its `frame`.
@@ -44,6 +57,11 @@ pub struct Instance {
     pub factors: TissueFactors,
     /// What a host's own model of the pose adds to the skin's rest shape: in the steps that follow, and where it is drawn.
     pub pose_offsets: PoseOffsets,
+    /// Which spring bones swing.
+    pub springs: SpringMode,
+    /// Turns the axes of the avatar's file into the world's: the gravity of spring bones is said in the former. At first
+    /// [`Avatar::standing`] where z points up.
+    pub file_axes: DMat3,
     /// Whether [`Simulation::step`](super::Simulation::step) moves it.
     pub active: bool,
     /// Whether it was put where it is since the last step: no motion led there.
@@ -78,9 +96,24 @@ impl Instance {
             gravity: DVec3::new(0.0, 0.0, -9.81),
             factors: TissueFactors::default(),
             pose_offsets: PoseOffsets::default(),
+            springs: SpringMode::default(),
+            file_axes: avatar.standing(UpAxis::Z).rotation,
             active: true,
             was_put: true,
         }
+    }
+
+    /// What holds `bone`.
+    pub(super) fn pin_of(&self, bone: usize) -> Option<&Pin> {
+        // A host that prescribes all bones has them in order.
+        let there = self.pins.get(bone).filter(|pin| pin.bone == bone);
+        there.or_else(|| self.pins.iter().find(|pin| pin.bone == bone))
+    }
+
+    /// What draws `bone`.
+    pub(super) fn target_of(&self, bone: usize) -> Option<&Tracking> {
+        let there = self.targets.get(bone).filter(|t| t.bone == bone);
+        there.or_else(|| self.targets.iter().find(|t| t.bone == bone))
     }
 
     /// What its previous posed skin is after a step.
@@ -217,6 +250,11 @@ impl Instance {
             not_negative("instance.colliders.margin", collider.margin, "metres")?;
         }
         check(self.gravity.is_finite(), "gravity", "is not finite")?;
+        check(
+            is_rotation(&self.file_axes),
+            "file_axes",
+            "is no rotation",
+        )?;
         self.factors.validate().map_err(|e| e.within("instance"))
     }
 }

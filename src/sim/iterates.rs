@@ -3,6 +3,7 @@
 use super::members::Members;
 use super::minimisation::Minimisation;
 use super::report::Timings;
+use super::solvers::Systems;
 use crate::Result;
 use crate::math::{Stopwatch, par_members};
 use crate::model::State;
@@ -39,6 +40,7 @@ impl Iterates {
         &mut self,
         members: &mut M,
         minimisations: &[Minimisation],
+        systems: &Systems,
         wanted: &[bool],
         timings: &mut Timings,
     ) -> Result<()> {
@@ -61,9 +63,10 @@ impl Iterates {
             let Evaluation {
                 gradient, hessian, ..
             } = evaluation;
-            skeleton.add_derivatives(frames, gradient, hessian);
+            let pattern = systems.pattern(i);
+            skeleton.add_derivatives(frames, gradient, hessian, pattern);
             if exact[i] {
-                skeleton.add_geometric(frames, hessian);
+                skeleton.add_geometric(frames, hessian, pattern);
             }
             *energies = skeleton.difference(&minimisations[i].current.frames, frames);
         });

@@ -3,6 +3,7 @@
 use super::carried::CarriedBone;
 use super::linear_solver::{LinearSolver, SolveReport};
 use super::report::InstanceReport;
+use super::spring_bones::Swing;
 use crate::model::{Frame, State};
 use crate::potential::{Evaluation, StepEnd};
 use crate::skeleton::{SkeletonEnergies, SkeletonPotential};
@@ -42,6 +43,8 @@ pub(super) struct Minimisation {
     pub fixed: Vec<bool>,
     /// Bones that are put where their parents end.
     pub carried: Vec<CarriedBone>,
+    /// Those of them that swing.
+    pub swing: Swing,
     /// The Newton step δ.
     pub step: Vec<f64>,
     /// ∂E/∂(c, ω) of tissue and skeleton where the step ends: at prescribed frames, what holds them.
@@ -62,6 +65,7 @@ impl Minimisation {
             current,
             fixed: vec![false; dofs],
             carried: Vec::new(),
+            swing: Swing::default(),
             step: vec![0.0; dofs],
             frame_gradient: Vec::new(),
             report: InstanceReport::default(),

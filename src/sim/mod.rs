@@ -8,6 +8,7 @@
 //! | `instance` | an avatar's state and what drives it, written by the user between steps |
 //! | `prediction` | where the minimisation starts: the inertial prediction, and qⁿ as its fall-back |
 //! | `carried` | bones without mass, which the others carry along |
+//! | `spring_bones` | the dynamics of those of them that swing |
 //! | `step_start` | what the skeleton's and the tissue's energies are told at the start of a step |
 //! | `report` | what a step tells about itself |
 //! | `linear_solver` | H δ = −g: the interface, scaling, products |
@@ -44,6 +45,7 @@ mod report;
 mod settings;
 mod simulation;
 mod solvers;
+mod spring_bones;
 mod step_end;
 mod step_start;
 mod stepper;
@@ -55,7 +57,7 @@ pub(crate) use stepper::{Physics, Stepper};
 
 pub use dense_cholesky::DenseCholesky;
 pub use energy_balance::EnergyBalance;
-pub use instance::{Instance, Pin};
+pub use instance::{Instance, Pin, SpringMode};
 pub use iteration::{Iteration, Observer};
 pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};

@@ -118,7 +118,13 @@ impl Newton {
             return Ok(());
         }
         self.fallbacks
-            .evaluate(members, &self.minimisations, &self.rising, timings)
+            .evaluate(
+                members,
+                &self.minimisations,
+                &self.systems,
+                &self.rising,
+                timings,
+            )
             .await?;
         for group in 0..self.groups.len() {
             let group = self.groups.members(group);
@@ -135,7 +141,13 @@ impl Newton {
     /// Evaluates E, gradient and Hessian at the iterates of running members.
     async fn evaluate<M: Members>(&mut self, members: &mut M, timings: &mut Timings) -> Result<()> {
         self.iterates
-            .evaluate(members, &self.minimisations, &self.running, timings)
+            .evaluate(
+                members,
+                &self.minimisations,
+                &self.systems,
+                &self.running,
+                timings,
+            )
             .await
     }
 

@@ -32,7 +32,7 @@ fn pin(skeleton: &Skeleton, instance: &Instance, state: &mut State) {
         let Some(p) = parent.map(|p| p as usize) else {
             continue;
         };
-        if instance.pins.iter().any(|pin| pin.bone == j) {
+        if instance.pin_of(j).is_some() {
             continue;
         }
         let anchor = current[p].inverse_transform(current[j].position);

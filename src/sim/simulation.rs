@@ -7,7 +7,7 @@ use super::report::{InstanceReport, StepReport, Timings};
 use super::settings::Settings;
 use super::solvers::Solvers;
 use super::stepper::{Physics, Stepper};
-use crate::math::Stopwatch;
+use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
 use crate::potential::Potential;
 use crate::skeleton::{SkeletonModel, SkeletonPotential};
@@ -20,6 +20,8 @@ pub struct Simulation<P> {
     pub(super) physics: Physics,
     pub(super) instances: Vec<Instance>,
     stepper: Stepper,
+    /// Memory of the list of all instances.
+    each: Vec<(&'static Physics, &'static Instance)>,
 }
 
 impl<P: Potential> Simulation<P> {
@@ -74,6 +76,7 @@ impl<P: Potential> Simulation<P> {
             potential,
             physics,
             instances,
+            each: Vec::new(),
         })
     }
 
@@ -161,10 +164,13 @@ impl<P: Potential> Simulation<P> {
         let all = 0..self.instances.len();
         stepper.begin(all.clone(), physics, &self.instances)?;
         timings.skeleton += watch.ms();
-        let members = self.instances.iter().map(|instance| (physics, instance));
-        stepper
-            .minimise(&mut self.potential, members, &mut timings, observer)
-            .await?;
+        let mut each: Vec<(&Physics, &Instance)> = recycled(std::mem::take(&mut self.each));
+        each.extend(self.instances.iter().map(|instance| (physics, instance)));
+        let done = stepper
+            .minimise(&mut self.potential, &each, &mut timings, observer)
+            .await;
+        self.each = recycled(each);
+        done?;
         stepper.commit(all.clone(), physics, &mut self.instances);
         let evaluation = self.potential.timings();
         timings.force = evaluation.force;

@@ -158,11 +158,12 @@ impl Stepper {
         }
     }
 
-    /// Minimises from what [`Stepper::begin`] left, and poses the skin of the result. `each` is every member in order.
-    pub async fn minimise<'a, M: Members>(
+    /// Minimises from what [`Stepper::begin`] left, lets spring bones swing, and poses the skin of the result. `each` is
+    /// every member in order.
+    pub async fn minimise<M: Members>(
         &mut self,
         members: &mut M,
-        each: impl Iterator<Item = (&'a Physics, &'a Instance)>,
+        each: &[(&Physics, &Instance)],
         timings: &mut Timings,
         observer: &mut Observer<'_>,
     ) -> Result<()> {
@@ -173,8 +174,8 @@ impl Stepper {
         let mut mode = None;
         self.pinned.clear();
         self.previous_skins.clear();
-        let pairs = each.zip(&newton.minimisations);
-        starts.extend(pairs.map(|((physics, instance), minimisation)| {
+        let pairs = each.iter().zip(&newton.minimisations);
+        starts.extend(pairs.map(|(&(physics, instance), minimisation)| {
             let settings = &physics.settings;
             mode = Some(settings.solver);
             offsets.push(instance.pose_offsets.as_slice());
@@ -190,10 +191,20 @@ impl Stepper {
             return Ok(());
         };
         newton.minimise(members, mode, timings, observer).await?;
-        let ended = newton.minimisations.iter().zip(&mut newton.iterates.states);
-        for ((minimisation, state), _) in ended.zip(&newton.active).filter(|(_, active)| **active) {
-            carry(&minimisation.carried, state);
-        }
+        let watch = Stopwatch::start();
+        let active = &newton.active;
+        let parts = (&mut newton.minimisations[..], &mut newton.iterates.states[..]);
+        par_members(each.len(), parts, |i, (minimisation, state)| {
+            let (physics, instance) = each[i];
+            let carried = &minimisation.carried;
+            if active[i] && carried.iter().any(|of| of.spring.is_some()) {
+                let (springs, h) = (physics.skeleton.springs(), physics.settings.time_step);
+                (minimisation.swing).step(springs, carried, instance, h, state);
+            } else if active[i] {
+                carry(carried, state);
+            }
+        });
+        timings.skeleton += watch.ms();
         for (state, active) in newton.iterates.states.iter().zip(&newton.active) {
             if *active && !state.is_finite() {
                 return Err(Error::NotFinite { quantity: "state" });
@@ -259,6 +270,13 @@ fn commit(
 ) {
     std::mem::swap(&mut instance.previous, &mut instance.state);
     instance.state.clone_from(state);
+    minimisation.swing.keep_velocities(
+        physics.skeleton.springs(),
+        &minimisation.carried,
+        physics.settings.time_step,
+        &instance.state,
+        &mut instance.previous,
+    );
     let frames = &instance.state.frames;
     let report = &mut minimisation.report;
     report.max_joint_gap = joint_gap(physics.skeleton.skeleton(), frames);

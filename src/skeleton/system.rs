@@ -7,7 +7,8 @@ use super::joint::JointSpring;
 use super::limit::{JointLimit, LimitSpring};
 use super::term::{FrameHessian, FrameTerm};
 use super::tracking::{Tracking, TrackingSpring};
-use crate::model::{Avatar, BoneMass, Frame, Skeleton};
+use crate::model::{Avatar, BoneMass, Frame, Skeleton, SpringBones};
+use crate::potential::BlockPattern;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,8 @@ pub struct SkeletonModel {
     masses: Vec<BoneMass>,
     /// Which bones have no mass on or below them.
     carried: Vec<bool>,
+    /// Those of them that swing.
+    springs: SpringBones,
     /// Mass and first moment of each.
     moments: Vec<(f64, DVec3)>,
     /// The tissue's moments where its weight loads the bones and not the handles.
@@ -34,9 +37,8 @@ impl SkeletonModel {
         Self {
             skeleton: avatar.skeleton.clone(),
             masses: avatar.bone_masses.clone(),
-            carried: (0..avatar.skeleton.len())
-                .map(|j| avatar.is_carried(j))
-                .collect(),
+            carried: avatar.carried(),
+            springs: avatar.springs.clone(),
             moments: avatar.bone_masses.iter().map(BoneMass::moments).collect(),
             tissue: avatar
                 .captured_under_gravity
@@ -56,6 +58,11 @@ impl SkeletonModel {
     /// The bones that have no mass on or below them, and no terms; rising.
     pub fn carried(&self) -> impl Iterator<Item = usize> {
         (0..self.carried.len()).filter(|&j| self.carried[j])
+    }
+
+    /// What swings of those.
+    pub fn springs(&self) -> &SpringBones {
+        &self.springs
     }
 
     /// Mass of bones and tissue, kg, gravity on the latter times `tissue_gravity`.
@@ -116,7 +123,6 @@ impl SkeletonEnergies {
 /// The skeleton's energy in one step of one instance.
 #[derive(Clone, Debug, Default)]
 pub struct SkeletonPotential {
-    frames: usize,
     inertia: Vec<BoneInertia>,
     joints: Vec<JointSpring>,
     bending: Vec<BendingSpring>,
@@ -141,7 +147,6 @@ impl SkeletonPotential {
         let pairs = parents
             .filter(|(child, _)| moves(*child))
             .filter_map(|(child, parent)| Some((child, (*parent)? as usize)));
-        self.frames = skeleton.len();
         self.inertia.clear();
         let masses = model.masses.iter().enumerate().filter(|(j, _)| moves(*j));
         self.inertia.extend(masses.map(|(j, mass)| {
@@ -196,9 +201,16 @@ impl SkeletonPotential {
         }
     }
 
-    /// Adds the gradient and the Gauss–Newton Hessian at `frames` to the packed ones of the tissue.
-    pub fn add_derivatives(&self, frames: &[Frame], gradient: &mut [f64], packed: &mut [[f64; 9]]) {
-        let hessian = &mut FrameHessian::new(packed, self.frames);
+    /// Adds the gradient and the Gauss–Newton Hessian at `frames` to those of the tissue, whose blocks are `packed` in the
+    /// order of `pattern`.
+    pub fn add_derivatives(
+        &self,
+        frames: &[Frame],
+        gradient: &mut [f64],
+        packed: &mut [[f64; 9]],
+        pattern: &BlockPattern,
+    ) {
+        let hessian = &mut FrameHessian::new(packed, pattern);
         for term in self.terms() {
             term.add_derivatives(frames, gradient, hessian);
         }
@@ -212,8 +224,13 @@ impl SkeletonPotential {
     }
 
     /// Adds what makes the Hessian exact; see [`FrameTerm::add_geometric`].
-    pub fn add_geometric(&self, frames: &[Frame], packed: &mut [[f64; 9]]) {
-        let hessian = &mut FrameHessian::new(packed, self.frames);
+    pub fn add_geometric(
+        &self,
+        frames: &[Frame],
+        packed: &mut [[f64; 9]],
+        pattern: &BlockPattern,
+    ) {
+        let hessian = &mut FrameHessian::new(packed, pattern);
         for term in self.terms() {
             term.add_geometric(frames, hessian);
         }

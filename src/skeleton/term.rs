@@ -1,6 +1,7 @@
 //! What an energy of the bones' frames provides.
 
 use crate::model::Frame;
+use crate::potential::BlockPattern;
 use glam::{DMat3, DVec3};
 
 /// An energy of frames.
@@ -28,38 +29,46 @@ pub fn rotation_curvature(f: DVec3, a: DVec3) -> DMat3 {
     (outer + outer.transpose()) * 0.5 - DMat3::from_diagonal(DVec3::splat(f.dot(a)))
 }
 
-/// The frame–frame part of the packed Hessian: the lower block triangle, row after row, which
-/// [`BlockPattern`](crate::potential::BlockPattern) puts first and keeps dense.
+/// The frame–frame part of a packed Hessian.
 pub struct FrameHessian<'a> {
     blocks: &'a mut [[f64; 9]],
+    /// None of one that takes nothing.
+    pattern: Option<&'a BlockPattern>,
 }
 
 impl<'a> FrameHessian<'a> {
-    /// The first blocks of a packed Hessian with `frames` frames.
-    pub fn new(packed: &'a mut [[f64; 9]], frames: usize) -> Self {
-        let rows = 2 * frames;
+    /// Of the `packed` blocks of `pattern`.
+    pub fn new(packed: &'a mut [[f64; 9]], pattern: &'a BlockPattern) -> Self {
         Self {
-            blocks: &mut packed[..rows * (rows + 1) / 2],
+            blocks: packed,
+            pattern: Some(pattern),
         }
     }
 
     /// Takes nothing: for gradients alone.
     pub fn none() -> Self {
-        Self { blocks: &mut [] }
+        Self {
+            blocks: &mut [],
+            pattern: None,
+        }
     }
 
     /// Adds `value` to block (`row`, `column`), and by symmetry its transpose to (`column`, `row`).
     /// A block on the diagonal is added once.
     pub fn add(&mut self, row: usize, column: usize, value: DMat3) {
-        if self.blocks.is_empty() {
+        let Some(pattern) = self.pattern else {
             return;
-        }
+        };
         let (row, column, value) = if row >= column {
             (row, column, value)
         } else {
             (column, row, value.transpose())
         };
-        let block = &mut self.blocks[row * (row + 1) / 2 + column];
+        // A block that the pattern lacks is of carried bones, which have no terms.
+        let Some(at) = pattern.find(row, column) else {
+            return;
+        };
+        let block = &mut self.blocks[at];
         for (entry, v) in block.iter_mut().zip(value.to_cols_array()) {
             *entry += v;
         }
@@ -82,7 +91,7 @@ impl<const N: usize> Residual<N> {
 
     /// Gauss–Newton Hessian k JᵀJ.
     pub fn add_hessian(&self, k: f64, hessian: &mut FrameHessian<'_>) {
-        if hessian.blocks.is_empty() {
+        if hessian.pattern.is_none() {
             return;
         }
         for (i, (row, left)) in self.jacobian.iter().enumerate() {

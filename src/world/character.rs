@@ -2,7 +2,7 @@
 
 use crate::model::{Avatar, Frame, State};
 use crate::potential::TissueFactors;
-use crate::sim::{Instance, InstanceReport, Settings};
+use crate::sim::{Instance, InstanceReport, Settings, SpringMode};
 use crate::{Error, Result};
 use glam::{DVec3, Mat4};
 use serde::{Deserialize, Serialize};
@@ -200,6 +200,13 @@ impl Character {
         Ok(())
     }
 
+    /// Which spring bones swing from the next step on ([`Avatar::springs`]: hair, skirts, ears, tails). At first
+    /// [`SpringMode::Free`]: a host whose matrices [`Character::follow_world`] takes has springs of its own. With
+    /// [`SpringMode::All`] its matrices of them say where they are at rest, as those of [`Character::track_frames`] always do.
+    pub fn set_spring_mode(&mut self, mode: SpringMode) {
+        self.instance.springs = mode;
+    }
+
     /// The world matrices of the avatar's joints as they are simulated, in the order of [`Avatar::joints`].
     ///
     /// # Errors
@@ -234,10 +241,41 @@ impl Character {
         let instance = &mut self.instance;
         instance.previous.clone_from(&instance.state);
         if matches!(self.driving, Driving::Followed | Driving::Tracked) {
+            let mut before = std::mem::take(&mut self.frames);
+            before.clone_from(&self.instance.state.frames);
             self.snap();
+            self.keep_swing(&before);
+            self.frames = before;
         }
         for target in &mut self.instance.targets {
             target.previous = target.frame;
+        }
+    }
+
+    /// Turns what spring bones carry, them included, against their parents as in `before`.
+    fn keep_swing(&mut self, before: &[Frame]) {
+        let (avatar, mode) = (&self.avatar, self.instance.springs);
+        let parents = &avatar.skeleton.parents;
+        let free = mode == SpringMode::Free && self.driving != Driving::Followed;
+        if avatar.springs.is_empty() || !(free || mode == SpringMode::All) {
+            return;
+        }
+        let above = |bone: usize| {
+            let next = |b: &usize| parents[*b].map(|p| p as usize);
+            std::iter::successors(Some(bone), next).take_while(|b| avatar.is_carried(*b))
+        };
+        let frames = &mut self.instance.state.frames;
+        for (bone, parent) in parents.iter().enumerate().take(avatar.bones()) {
+            let Some(parent) = parent.map(|p| p as usize) else {
+                continue;
+            };
+            if above(bone).any(|b| avatar.springs.of_bone(b).is_some()) {
+                let local = Frame {
+                    rotation: before[parent].rotation.transpose() * before[bone].rotation,
+                    position: before[parent].inverse_transform(before[bone].position),
+                };
+                frames[bone] = frames[parent].compose(&local).moved(DVec3::ZERO, DVec3::ZERO);
+            }
         }
     }
 

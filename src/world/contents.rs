@@ -192,6 +192,8 @@ impl World {
         let batch = &mut self.batches[asset];
         let placement = placement.compose(&batch.avatar.standing(self.up));
         batch.characters[place] = batch.character(self.gravity, &placement);
+        let axes = batch.avatar.standing(self.up).rotation;
+        batch.characters[place].instance.file_axes = axes;
         batch.used[place] = true;
         self.posed = false;
         Ok(self.instances.insert((asset, place)))

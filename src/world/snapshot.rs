@@ -9,10 +9,10 @@ use crate::collider::Collider;
 use crate::file::Section;
 use crate::model::{Avatar, Frame, State, UpAxis};
 use crate::potential::TissueFactors;
-use crate::sim::{Pin, Settings, SolverMode};
+use crate::sim::{Pin, Settings, SolverMode, SpringMode};
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use slotmap::SlotMap;
@@ -28,6 +28,7 @@ const WORLD: [u8; 4] = *b"WRLD";
 const ASSETS: [u8; 4] = *b"ASST";
 const INSTANCES: [u8; 4] = *b"INST";
 const DRIVERS: [u8; 4] = *b"DRIV";
+const SPRINGS: [u8; 4] = *b"SPRG";
 const OFFSETS: [u8; 4] = *b"OFFS";
 const BODIES: [u8; 4] = *b"BODY";
 const COLLIDERS: [u8; 4] = *b"COLL";
@@ -108,6 +109,13 @@ struct StoredState {
     previous: State,
 }
 
+/// What the states do not say of spring bones.
+#[derive(Serialize, Deserialize)]
+struct StoredSprings {
+    mode: SpringMode,
+    file_axes: DMat3,
+}
+
 #[derive(Serialize, Deserialize)]
 struct StoredDriver {
     driving: Driving,
@@ -145,6 +153,14 @@ impl Character {
         }
     }
 
+    fn stored_springs(&self) -> StoredSprings {
+        let instance = self.instance();
+        StoredSprings {
+            mode: instance.springs,
+            file_axes: instance.file_axes,
+        }
+    }
+
     fn restore_state(&mut self, stored: StoredState) -> Result<()> {
         let like = self.instance.state.clone();
         self.instance.state = stored.state;
@@ -152,7 +168,12 @@ impl Character {
         self.instance.validate(&like)
     }
 
-    fn restore(&mut self, state: StoredState, driver: StoredDriver) -> Result<()> {
+    fn restore(
+        &mut self,
+        state: StoredState,
+        driver: StoredDriver,
+        springs: &StoredSprings,
+    ) -> Result<()> {
         let instance = &mut self.instance;
         instance.targets = driver.targets;
         instance.pins = driver.pins;
@@ -160,6 +181,8 @@ impl Character {
         instance.limits = driver.limits;
         instance.gravity = driver.gravity;
         instance.factors = driver.factors;
+        instance.springs = springs.mode;
+        instance.file_axes = springs.file_axes;
         self.restore_state(state)?;
         self.restore_driving(driver.driving, &driver.placement, driver.awake)
     }
@@ -185,6 +208,7 @@ impl World {
         let of_bodies = || self.bodies.values().map(|body| character(&(body.asset, 0)));
         let states: Vec<_> = characters().map(Character::stored_state).collect();
         let drivers: Vec<_> = characters().map(Character::stored_driver).collect();
+        let springs: Vec<_> = characters().map(Character::stored_springs).collect();
         let offsets: Vec<_> = (characters().map(|c| c.instance.pose_offsets.as_slice())).collect();
         let body_states: Vec<_> = of_bodies().map(Character::stored_state).collect();
         let world = StoredWorld {
@@ -198,6 +222,7 @@ impl World {
                 section(ASSETS, &assets)?,
                 section(INSTANCES, &(&self.instances, states))?,
                 section(DRIVERS, &drivers)?,
+                section(SPRINGS, &springs)?,
                 section(OFFSETS, &offsets)?,
                 section(BODIES, &(&self.bodies, body_states))?,
                 section(COLLIDERS, &self.colliders)?,
@@ -220,6 +245,7 @@ impl World {
         let (instances, states): (SlotMap<InstanceId, (usize, usize)>, Vec<StoredState>) =
             read(snapshot, INSTANCES)?;
         let drivers: Vec<StoredDriver> = read(snapshot, DRIVERS)?;
+        let springs: Vec<StoredSprings> = read(snapshot, SPRINGS)?;
         let offsets: Vec<Vec<[f32; 3]>> = read(snapshot, OFFSETS)?;
         let (mut bodies, body_states): (SlotMap<BodyId, Body>, Vec<StoredState>) =
             read(snapshot, BODIES)?;
@@ -229,6 +255,7 @@ impl World {
         }
         let counted = instances.len() == states.len()
             && states.len() == drivers.len()
+            && states.len() == springs.len()
             && states.len() == offsets.len()
             && bodies.len() == body_states.len();
         if !counted || !world.gravity.is_finite() {
@@ -238,13 +265,13 @@ impl World {
             self.make_room(asset, stored.room)?;
         }
         let mut characters = Vec::new();
-        let stored = states.into_iter().zip(drivers).zip(offsets);
-        for (&place, ((state, driver), offsets)) in instances.values().zip(stored) {
+        let stored = states.into_iter().zip(drivers).zip(springs).zip(offsets);
+        for (&place, (((state, driver), springs), offsets)) in instances.values().zip(stored) {
             let batch = self.batches.get(place.0).filter(|_| place.0 < avatars);
             let batch = batch.filter(|b| place.1 < b.characters.len());
             let batch = batch.ok_or_else(damaged)?;
             let mut character = batch.character(world.gravity, &Frame::IDENTITY);
-            let restored = (character.restore(state, driver))
+            let restored = (character.restore(state, driver, &springs))
                 .and_then(|()| character.set_pose_offsets(&offsets));
             restored.map_err(|e| e.within("snapshot"))?;
             characters.push((place, character));

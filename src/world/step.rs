@@ -138,7 +138,7 @@ impl World {
         }
         let evaluators: &mut Evaluators = &mut self.evaluators;
         let done = stepper
-            .minimise(evaluators, each.iter().copied(), timings, &mut |_| ())
+            .minimise(evaluators, &each, timings, &mut |_| ())
             .await;
         self.each = recycled(each);
         done

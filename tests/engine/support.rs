@@ -7,7 +7,7 @@ use supple::internal::math::Rows;
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{
     Avatar, BasisEntry, BoneMass, JointList, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer,
-    State, UpAxis,
+    SpringBones, SpringChain, SpringJoint, State, UpAxis,
 };
 use supple_samples::Limb;
 
@@ -112,6 +112,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         up: UpAxis::Z,
         skeleton,
         bone_masses: vec![rod(bone_length, limb.inner_radius, 1900.0); bones],
+        springs: SpringBones::default(),
         handles,
         cubature,
         skin,
@@ -145,6 +146,59 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
     avatar.validate().unwrap();
     avatar
 }
+
+/// Distance between the joints of a [`with_tail`], m.
+pub const TAIL_STEP: f64 = 0.05;
+
+/// `avatar` with a tail on its first bone, away from its other end: `count` spring bones like `like` in a chain along x, each
+/// with an attached triangle. Bone and tail of `like` are not read.
+pub fn with_tail(avatar: &Avatar, count: usize, like: SpringJoint) -> Avatar {
+    let mut out = avatar.clone();
+    let first = avatar.skeleton.len();
+    let root = avatar.skeleton.joints[0] - DVec3::X * 0.3;
+    let chain = out.springs.chains.len() as u32;
+    out.springs.chains.push(SpringChain {
+        name: format!("tail {chain}"),
+        ..SpringChain::default()
+    });
+    for k in 0..count {
+        let (bone, joint) = ((first + k) as u32, root - DVec3::X * (TAIL_STEP * k as f64));
+        out.skeleton.names.push(format!("tail {chain} {k}"));
+        out.skeleton.parents.push(Some(if k > 0 { bone - 1 } else { 0 }));
+        out.skeleton.joints.push(joint);
+        out.bone_masses.push(BoneMass::NONE);
+        out.springs.joints.push(SpringJoint {
+            chain,
+            bone,
+            tail: -DVec3::X * TAIL_STEP,
+            ..like
+        });
+        let v = out.skin.position.len() as u32;
+        out.triangles.push([v, v + 1, v + 2]);
+        for corner in [DVec3::ZERO, DVec3::Y * 0.01, -DVec3::X * TAIL_STEP] {
+            out.skin.position.push(joint + corner);
+            out.skin.measure.push(0.0);
+            out.skin.skinning.push([SkinWeight { bone, weight: 1.0 }]);
+            out.skin.basis.push(None);
+            out.attached.push(None);
+        }
+    }
+    out.joints = JointList::of_bones(&out.skeleton);
+    out.validate().unwrap();
+    out
+}
+
+/// A spring joint that nothing draws or brakes.
+pub const LIMP: SpringJoint = SpringJoint {
+    chain: 0,
+    bone: 0,
+    tail: DVec3::ZERO,
+    rest_rotation: DMat3::IDENTITY,
+    stiffness: 0.0,
+    drag_force: 0.0,
+    gravity: DVec3::ZERO,
+    hit_radius: 0.0,
+};
 
 /// Weights at `s` bone lengths along the row.
 fn weights_along(s: f64, bones: usize) -> Vec<SkinWeight> {

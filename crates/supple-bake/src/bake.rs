@@ -10,13 +10,13 @@ use super::report::{
 use super::{Recipe, set_limits};
 use crate::basis::{BiharmonicSystem, basis_at_tets, basis_on_skin, skinning_at_tets};
 use crate::body::Body;
-use crate::bones::{BoneLoads, bone_masses, drop_bones, retain};
+use crate::bones::{BoneLoads, SpringReport, bone_masses, drop_bones, left_to_tissue, retain};
 use crate::cubature::{Cubature, Tissue};
 use crate::handles::{Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
 use std::time::Instant;
 use supple::internal::math::Rows;
-use supple::model::{Avatar, PointSet, SoftLayer, TetMesh};
+use supple::model::{Avatar, PointSet, SoftLayer, SpringBones, TetMesh};
 use supple::{Error, Result};
 
 /// The phases of a bake, in order.
@@ -180,6 +180,10 @@ fn bake_phases(
         joints: body.joints.clone(),
         up: body.up,
         bone_masses: masses,
+        springs: match recipe.springs {
+            true => body.springs.clone(),
+            false => SpringBones::default(),
+        },
         handles: handles.positions,
         cubature: points,
         skin,
@@ -213,6 +217,7 @@ fn bake_phases(
         recipe.handles.is_empty(),
     );
     drop_bones(&mut avatar, &loads.anything)?;
+    let notes = left_to_tissue(&mut avatar);
     retain(&mut bones.masses, &loads.anything);
     retain(&mut handle_report.per_bone, &loads.anything);
     avatar.validate()?;
@@ -242,7 +247,8 @@ fn bake_phases(
         stiffness: stiffness_spread(&avatar),
         tissue_mass: avatar.tissue_mass(),
         bones,
-        notes: Vec::new(),
+        springs: SpringReport::of(&avatar.springs),
+        notes: notes.into_iter().collect(),
         cost: BakeCost {
             seconds,
             peak_memory: peak_memory(),

@@ -27,7 +27,7 @@ pub mod subspace;
 pub use bake::{PHASES, Progress, bake};
 pub use basis::{BasisEnergy, BiharmonicSystem, Constraints, Truncation, biharmonic_energy};
 pub use body::{Attachment, Body, Joints, LayerMesh, Limb, ParametricModel, one_bone_body};
-pub use bones::{BoneMassReport, JointLimitKey, bone_masses, set_limits};
+pub use bones::{BoneMassReport, JointLimitKey, SpringReport, bone_masses, set_limits};
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
 pub use file::{Baked, baked_file, from_bytes, read_baked, to_bytes, write_baked};
 pub use full_space::{SparseCholesky, all_tets, full_space, full_space_simulation, without_tissue};

@@ -36,6 +36,8 @@ pub struct Recipe {
     pub cubature: CubatureRecipe,
     /// Ranges of joints, in place of the model's own.
     pub limits: Vec<JointLimitKey>,
+    /// Whether spring bones of the file (VRM's hair, skirts, tails) swing.
+    pub springs: bool,
 }
 
 /// How the tissue is sampled. `points` wins over `points_per_handle`, and `all_tets` over both.
@@ -78,6 +80,7 @@ impl Default for Recipe {
             truncation: Truncation::default(),
             cubature: CubatureRecipe::default(),
             limits: Vec::new(),
+            springs: true,
         }
     }
 }

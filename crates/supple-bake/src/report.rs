@@ -1,7 +1,7 @@
 //! What a bake did.
 
 use crate::body::Body;
-use crate::bones::BoneMassReport;
+use crate::bones::{BoneMassReport, SpringReport};
 use crate::cubature::CubatureReport;
 use crate::math::NearestPoint;
 use crate::mesh::MeshReport;
@@ -46,6 +46,8 @@ pub struct BakeReport {
     pub tissue_mass: f64,
     /// The bones' masses.
     pub bones: BoneMassReport,
+    /// What swings.
+    pub springs: SpringReport,
     /// What was decided about the body's file, a sentence each.
     pub notes: Vec<String>,
     /// Time and memory; empty in a baked file, which is the same whatever a bake took.

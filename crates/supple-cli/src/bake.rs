@@ -86,6 +86,7 @@ impl Arguments {
             other => name_file(other, &self.file),
         };
         let (avatar, report) = baked.map_err(named)?;
+        let notes = notes.into_iter().chain(report.notes).collect();
         Ok((avatar, BakeReport { notes, ..report }))
     }
 

@@ -112,6 +112,9 @@ pub fn print_bake_report(r: &BakeReport) {
     for a in &r.attachments {
         rows.push(("attached", attached(&a.name, a.vertices, a.follows_tissue)));
     }
+    if r.springs.joints > 0 {
+        rows.push(("spring bones", r.springs.to_string()));
+    }
     for note in &r.notes {
         rows.push(("note", note.clone()));
     }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use supple::model::{Avatar, Joint, JointBone, UpAxis};
 use supple::{Error, Result};
-use supple_bake::{BakeReport, Baked, read_baked};
+use supple_bake::{BakeReport, Baked, SpringReport, read_baked};
 use supple_files::{CharacterFormat, FileKind, is_gltf_motion};
 
 /// Arguments of `supple inspect`.
@@ -37,6 +37,7 @@ struct Contents {
     cubature_points: usize,
     vertices: usize,
     attached_vertices: usize,
+    springs: SpringReport,
     triangles: usize,
     nodes: usize,
     tets: usize,
@@ -94,6 +95,7 @@ impl Contents {
             cubature_points: avatar.cubature.len(),
             vertices: avatar.tissue_vertices(),
             attached_vertices: avatar.attached.len(),
+            springs: SpringReport::of(&avatar.springs),
             triangles: avatar.triangles.len(),
             nodes: avatar.layer.mesh.nodes.len(),
             tets: avatar.layer.mesh.tets.len(),
@@ -130,6 +132,7 @@ impl Contents {
                     format!("{} vertices, {} triangles", self.vertices, self.triangles),
                 ),
                 ("attached", format!("{} vertices", self.attached_vertices)),
+                ("spring bones", self.springs.to_string()),
                 (
                     "soft layer",
                     format!("{} nodes, {} tets", self.nodes, self.tets),

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::path::Path;
 use supple::Result;
 use supple::model::UpAxis;
-use supple_bake::mesh::SkinReport;
+use supple_bake::{SpringReport, mesh::SkinReport};
 use supple_files::{CharacterFile, CharacterFormat, CharacterOptions, read_character};
 
 /// A character file's contents.
@@ -26,6 +26,7 @@ pub struct Preview {
     closed: bool,
     skin_volume: f64,
     attachments: Vec<Attached>,
+    springs: SpringReport,
     drawn_parts: Vec<String>,
     shapes: Vec<String>,
     pose_features: usize,
@@ -73,6 +74,7 @@ impl Preview {
                 .collect(),
             bones: body.skeleton.names,
             skin,
+            springs: SpringReport::of(&body.springs),
             attachments: (body.attachments.into_iter())
                 .map(|a| Attached {
                     name: a.name,
@@ -122,6 +124,9 @@ impl Preview {
         }
         for a in &self.attachments {
             rows.push(("attached", attached(&a.name, a.vertices, a.follows_tissue)));
+        }
+        if self.springs.joints > 0 {
+            rows.push(("spring bones", self.springs.to_string()));
         }
         if !self.drawn_parts.is_empty() {
             rows.push(("drawn parts", list(&self.drawn_parts)));

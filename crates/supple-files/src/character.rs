@@ -289,6 +289,7 @@ fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
     Body {
         name: name.into(),
         joints: JointList::of_bones(&skeleton),
+        springs: Default::default(),
         up: UpAxis::Z,
         skeleton,
         skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),

@@ -11,7 +11,7 @@
 //! least 2 % of the first's, several bones move them, less than half of their volume lies in tissue already,
 //! and one of their bones moves tissue or is next to one that does, no other bone with weight between. Of those
 //! that are merely next to it, boxes are apart by a tenth of the first's extent at most, and where the file says
-//! which bones are a person's (VRM), one of these moves them: hair does not join.
+//! which bones are a person's (VRM), one of these moves them: hair does not join, nor does what spring bones move mostly.
 //!
 //! Everything else is attached. It *follows the nearest tissue*, less and less with its distance
 //! ([`supple_bake`]), except what stays *rigid*, moved by its bones alone: parts whose bones move no tissue

@@ -17,9 +17,13 @@ const MOST_GAP: f64 = 0.1;
 /// Which parts are tissue. `named` has what a recipe says of each: that it is tissue, or that it is not.
 pub(super) fn choose_tissue(body: &Body, parts: &[Part], named: &[Option<bool>]) -> Vec<bool> {
     let skin = &body.skin;
-    let mut order: Vec<usize> = (0..parts.len())
-        .filter(|&p| named[p] != Some(false))
-        .collect();
+    let may_be = |p: &usize| named[*p] != Some(false);
+    // Hair is no tissue, however large and closed.
+    let of_body = |p: &usize| named[*p] == Some(true) || !swings(body, &parts[*p]);
+    let mut order: Vec<usize> = (0..parts.len()).filter(may_be).filter(of_body).collect();
+    if order.is_empty() {
+        order = (0..parts.len()).filter(may_be).collect();
+    }
     let size = |p: usize| (parts[p].score(), parts[p].area);
     order.sort_by(|&a, &b| {
         let ((score_a, area_a), (score_b, area_b)) = (size(a), size(b));
@@ -63,6 +67,12 @@ pub(super) fn choose_tissue(body: &Body, parts: &[Part], named: &[Option<bool>])
         }
     }
     tissue
+}
+
+/// Whether spring bones move most of a part.
+fn swings(body: &Body, part: &Part) -> bool {
+    let swings = |bone: u32| body.springs.of_bone(bone as usize).is_some();
+    !body.springs.is_empty() && part.share(swings) > 0.5
 }
 
 /// The first of `order` that several bones move and that is no trinket: in score, or by the largest area. A helmet or a ball of

@@ -69,6 +69,7 @@ impl Finger {
         let mut body = Body {
             name: "finger".into(),
             joints: JointList::of_bones(&skeleton),
+            springs: Default::default(),
             up: UpAxis::Z,
             skeleton,
             skin,

@@ -35,8 +35,12 @@ impl<B: Basis> Asset<B> {
         let skin = Points::new("skin", space, &avatar.skin.skinning, skin)?;
         let body_frames = avatar.body_frames();
         let skin_blocks = skin.blocks(space);
-        let pattern = BlockPattern::from_blocks(space, &[&cubature.blocks(space), &skin_blocks])
-            .with_bodies(&body_frames, &skin_blocks);
+        let pattern = BlockPattern::from_blocks(
+            space,
+            &avatar.carried(),
+            &[&cubature.blocks(space), &skin_blocks],
+        )
+        .with_bodies(&body_frames, &skin_blocks);
         Ok(Self {
             cubature_incidence: cubature.incidence(&pattern),
             skin_incidence: skin.incidence(&pattern),

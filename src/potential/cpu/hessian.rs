@@ -198,7 +198,7 @@ mod tests {
             &avatar.cubature.basis,
         )
         .unwrap();
-        let pattern = BlockPattern::new(space, &[&avatar.cubature]);
+        let pattern = BlockPattern::new(space, &[], &[&avatar.cubature]);
         let incidence = points.incidence(&pattern);
         let random = &mut Random::new(3);
         let terms: Vec<PointTerms> = (0..points.len())

@@ -10,7 +10,7 @@ use supple_bake::SparseCholesky;
 /// A pattern of 3 bones and 20 handles that is not full.
 fn pattern() -> BlockPattern {
     let avatar = random_avatar(1, 3, 20, 12, 12);
-    BlockPattern::new(avatar.space(), &[&avatar.cubature])
+    BlockPattern::new(avatar.space(), &[], &[&avatar.cubature])
 }
 
 /// Σ over points J Jᵀ within the pattern, with bone stiffness `contrast` times that of handles, and

@@ -9,4 +9,5 @@ mod dynamics;
 mod imports;
 mod linear_solver;
 mod newton;
+mod springs;
 mod statics;

@@ -26,7 +26,7 @@ impl Toy {
     fn new(avatar: &Avatar, law: Law, instances: usize) -> Self {
         Self {
             law,
-            pattern: BlockPattern::new(avatar.space(), &[]),
+            pattern: BlockPattern::new(avatar.space(), &[], &[]),
             base: vec![avatar.rest_state(); instances],
             evaluations: 0,
             geometric: None,

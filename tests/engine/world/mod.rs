@@ -9,6 +9,7 @@ mod gpu;
 mod offsets;
 mod previous_skins;
 mod snapshots;
+mod springs;
 
 use crate::support;
 use std::sync::Arc;

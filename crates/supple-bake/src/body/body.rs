@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use supple::internal::math::Rows;
 use supple::model::{
-    JointList, PoseBlend, RenderMesh, Skeleton, SkinWeight, Surface, TetMesh, UpAxis,
+    JointList, PoseBlend, RenderMesh, Skeleton, SkinWeight, SpringBones, Surface, TetMesh, UpAxis,
 };
 use supple::{Error, Result};
 
@@ -84,6 +84,8 @@ pub struct Body {
     pub skeleton: Skeleton,
     /// The file's joints, and the bone of each.
     pub joints: JointList,
+    /// Bones that swing where they carry no tissue.
+    pub springs: SpringBones,
     /// The axis that points up in the reference shape.
     pub up: UpAxis,
     /// The skin that is drawn and touches, in the reference shape; welded. Closed unless the body
@@ -127,6 +129,7 @@ impl Body {
         Self {
             name: name.into(),
             joints: JointList::of_bones(&skeleton),
+            springs: SpringBones::default(),
             up: UpAxis::Y,
             skeleton,
             skin: Surface {
@@ -190,6 +193,7 @@ impl Body {
             .flat_map(|b| &mut b.columns);
         columns.flatten().for_each(|x| *x *= factor as f32);
         self.joints.scale(factor);
+        self.springs.scale(factor);
     }
 
     /// Checks every length, index and number.
@@ -200,6 +204,7 @@ impl Body {
             let problem = format!("are of {} bones, not of {bones}", self.joints.bones());
             return Err(Error::invalid("joints", problem));
         }
+        (self.springs.validate(&self.skeleton.parents)).map_err(|e| e.within("springs"))?;
         self.layer.validate(vertices, bones)?;
         self.skinning.validate("skinning", vertices)?;
         let check = |ok: bool, field: &str, problem: &str| {

@@ -182,6 +182,7 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
     let body = Body {
         name: name.into(),
         joints: JointList::of_bones(&skeleton),
+        springs: Default::default(),
         up: UpAxis::Z,
         skeleton,
         skin: Surface {

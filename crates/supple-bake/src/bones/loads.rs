@@ -60,7 +60,7 @@ impl BoneLoads {
 }
 
 /// Takes the bones that are not `kept` out of `avatar`: nothing hangs on them, and none is a root or above one that stays.
-/// Their joints ride on the nearest bone above that stays, where the bind pose has them. The new number of each bone.
+/// Their joints and spring colliders ride on the nearest bone above that stays, where the bind pose has them. The new number of each bone.
 ///
 /// # Errors
 /// What [`JointList::new`] says.
@@ -100,6 +100,19 @@ pub(crate) fn drop_bones(avatar: &mut Avatar, kept: &[bool]) -> Result<()> {
     let joints = joints.collect();
     let skins = avatar.joints.skins().to_vec();
     avatar.joints = JointList::new(count as usize, joints, skins)?;
+
+    let springs = &mut avatar.springs;
+    springs.retain_joints(|joint| kept[joint.bone as usize]);
+    let joints = springs.joints.iter_mut().map(|joint| &mut joint.bone);
+    let centers = springs.chains.iter_mut().flat_map(|c| &mut c.center);
+    joints.chain(centers).for_each(|bone| *bone = new(*bone));
+    for collider in &mut springs.colliders {
+        let old = collider.bone as usize;
+        let offset = skeleton.joints[old] - skeleton.joints[stays[old]];
+        collider.offset += offset;
+        (collider.tail.iter_mut()).for_each(|tail| *tail += offset);
+        collider.bone = new(collider.bone);
+    }
 
     retain(&mut skeleton.names, kept);
     retain(&mut skeleton.joints, kept);

@@ -53,6 +53,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         joints: avatar.joints.clone(),
         up: avatar.up,
         bone_masses: avatar.bone_masses.clone(),
+        springs: avatar.springs.clone(),
         handles,
         cubature: whole_layer(avatar, &basis)?,
         skin,

@@ -9,13 +9,17 @@ use super::polar::stretch;
 use super::primitive::{Part, read_parts};
 use super::reference_part::ReferencePart;
 use super::rig::Rig;
+use super::springs::spring_bones;
+use super::told_springs::ToldSprings;
 use super::vrm::Vrm;
 use crate::motion::MotionClip;
 use crate::weld::{CUT_WEIGHTS, DRAWN_WEIGHTS, Vertices};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use supple::Result;
-use supple::model::{JointList, PoseBlend, RenderMesh, SkinWeight, Surface, UpAxis};
+use supple::model::{
+    JointList, PoseBlend, RenderMesh, SkinWeight, SpringBones, Surface, UpAxis,
+};
 use supple_bake::{Body, LayerMesh};
 
 /// What a file's scene shows.
@@ -70,16 +74,19 @@ impl<'a> Scene<'a> {
         if let Some(v) = positions.iter().position(|p| !near(p)) {
             return Err(broken(format!("skin vertex {v} is out of all bounds")));
         }
-        let vrm = Vrm::read(self.file, &self.nodes, &rig);
+        let vrm = Vrm::read(self.file, &rig);
         if vrm.ignored > 0 {
-            let text = "entries of the VRM extensions name no bone and were left out";
+            let text = "names of VRM's humanoid are of no bone and were left out";
             notes.push(format!("{} {text}", vrm.ignored));
         }
+        let springs = ToldSprings::read(self.file, &self.nodes);
+        let (springs, about) = spring_bones(&springs, &self.nodes, &rig);
+        notes.extend(about);
+        whole.body.springs = springs;
         whole.body.skeleton.aliases = vrm.humanoid;
         Ok(Character {
             whole,
             rest: rig.rest,
-            colliders: vrm.colliders,
             faces: if vrm.is_0 { DVec3::NEG_Z } else { DVec3::Z },
             notes,
         })
@@ -276,6 +283,7 @@ impl Soup {
             name: name.into(),
             skeleton: rig.skeleton.clone(),
             joints,
+            springs: SpringBones::default(),
             up: UpAxis::Y,
             skin: Surface {
                 positions: skin.iter().map(|&v| self.positions[v]).collect(),

@@ -1,6 +1,5 @@
 //! A character as its file tells it: a body, its shapes, and what else is there.
 
-use super::BoneCollider;
 use crate::tissue::{PartNames, separate_tissue};
 use glam::DVec3;
 use supple::model::{Frame, PoseBlend, SkinWeight, Surface};
@@ -34,8 +33,6 @@ pub struct Character {
     pub(super) whole: Whole,
     /// Bones in the file's rest pose: rotation from the reference shape, joint place.
     pub rest: Vec<Frame>,
-    /// Spheres and capsules fixed to bones (VRM's collider groups).
-    pub colliders: Vec<BoneCollider>,
     /// Where it looks: along z, but characters of VRM 0.x along −z.
     pub faces: DVec3,
     /// What was decided about the file and a person may want to know, a sentence each.

@@ -20,13 +20,14 @@ mod primitive;
 mod reference_part;
 mod rig;
 mod sampler;
+mod springs;
+mod told_springs;
 mod triangles;
 mod vrm;
 mod webxr;
 pub mod write;
 
 pub use character::{Character, Shape};
-pub use vrm::BoneCollider;
 
 use crate::motion::MotionClip;
 use assemble::Scene;

@@ -23,6 +23,7 @@ use super::bone_tree::BoneTree;
 use super::container::File;
 use super::nodes::Nodes;
 use super::primitive::Part;
+use super::told_springs::ToldSprings;
 use super::vrm::humanoid;
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -53,8 +54,8 @@ pub(super) struct Rig {
 }
 
 impl Rig {
-    /// The rig of the skins that `parts` use, with the humanoid bones that are no joints; of a file without skins, of the
-    /// nodes that show or move something.
+    /// The rig of the skins that `parts` use, with the humanoid and spring bones that are no joints; of a file without skins,
+    /// of the nodes that show or move something.
     pub fn new(file: &File, nodes: &Nodes, parts: &[Part]) -> Result<Self> {
         let mut vertices: BTreeMap<usize, usize> = BTreeMap::new();
         for part in parts {
@@ -75,6 +76,11 @@ impl Rig {
         is_bone.extend(humanoid.filter(|&n| n < nodes.parents.len()));
         if order.is_empty() {
             is_bone.extend(bone_nodes::rigid(file, nodes, parts));
+        }
+        let mut swinging = is_bone.clone();
+        swinging.extend(ToldSprings::read(file, nodes).heads());
+        if swinging.len() <= MOST_JOINTS {
+            is_bone = swinging;
         }
 
         let mut weight = vec![0.0; nodes.parents.len()];

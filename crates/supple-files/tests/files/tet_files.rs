@@ -187,6 +187,7 @@ fn body(size: f64) -> Body {
     Body {
         name: "cube".into(),
         joints: JointList::of_bones(&skeleton),
+        springs: Default::default(),
         up: UpAxis::Z,
         skeleton,
         skinning: skin.positions.iter().map(|_| [whole]).collect::<Rows<_>>(),

@@ -15,6 +15,7 @@ use supple_files::BoneMap;
 /// A scene whose names are resolved against an avatar.
 pub struct Driver {
     gravity: DVec3,
+    file_axes: DMat3,
     start: Vec<Frame>,
     motion: Option<MotionDriver>,
     pins: Vec<(usize, Motion)>,
@@ -89,6 +90,7 @@ impl Driver {
         start.extend(scene.bodies.iter().map(SceneBody::initial_frame));
         Ok(Self {
             gravity: scene.gravity(),
+            file_axes: avatar.standing(scene.up()).rotation,
             start,
             motion,
             pins,
@@ -103,6 +105,7 @@ impl Driver {
     pub fn start(&self, avatar: &Avatar, instance: &mut Instance) {
         instance.pose(&self.start, &avatar.skeleton.parents);
         instance.gravity = self.gravity;
+        instance.file_axes = self.file_axes;
         for (i, body) in self.bodies.iter().enumerate() {
             let (frame, h) = (avatar.body_frame(i), self.time_step);
             instance.set_motion(frame, self.start[frame], body.velocity, body.spin(), h);

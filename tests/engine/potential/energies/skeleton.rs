@@ -9,7 +9,8 @@ use supple::internal::skeleton::{
     BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring, LimitSpring,
     TissueMoments, TrackingSpring,
 };
-use supple::model::{Avatar, Frame, JointRange};
+use supple::model::{Avatar, Frame, JointRange, Space};
+use supple::potential::BlockPattern;
 use supple::skeleton::{Bending, JointLimit, Spring, Tracking};
 
 const BONES: usize = 3;
@@ -18,6 +19,15 @@ const TIME_STEP: f64 = 0.01;
 
 fn avatar() -> Avatar {
     random_avatar(11, BONES, 4, 40, 12)
+}
+
+/// All blocks of the bones' frames.
+fn pattern() -> BlockPattern {
+    let space = Space {
+        frames: BONES,
+        handles: 0,
+    };
+    BlockPattern::new(space, &[], &[])
 }
 
 /// Frames that differ from the bind pose by up to `angle` rad and `distance` m.
@@ -56,9 +66,9 @@ impl Energy for Posed {
     }
 
     fn gradient(&mut self, at: Moved) -> Vec<f64> {
-        let mut gradient = vec![0.0; DOFS];
+        let (mut gradient, pattern) = (vec![0.0; DOFS], pattern());
         let packed = &mut vec![[0.0; 9]; BONES * (2 * BONES + 1)];
-        let hessian = &mut FrameHessian::new(packed, BONES);
+        let hessian = &mut FrameHessian::new(packed, &pattern);
         self.term
             .add_derivatives(&self.moved(at), &mut gradient, hessian);
         gradient
@@ -66,7 +76,8 @@ impl Energy for Posed {
 
     fn hessian(&mut self, form: HessianForm) -> Vec<Vec<f64>> {
         let mut packed = vec![[0.0; 9]; BONES * (2 * BONES + 1)];
-        let hessian = &mut FrameHessian::new(&mut packed, BONES);
+        let pattern = pattern();
+        let hessian = &mut FrameHessian::new(&mut packed, &pattern);
         self.term
             .add_derivatives(&self.frames, &mut [0.0; DOFS], hessian);
         if form == HessianForm::Exact {
