@@ -1,14 +1,17 @@
 //! A step works in the memory of the steps before it.
 
+#[path = "engine/support.rs"]
+mod support;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::in_pool;
-use supple::model::{Avatar, Frame, RigidBody, UpAxis};
+use supple::model::{Avatar, Frame, RigidBody, SpringCollider, SpringJoint, UpAxis};
 use supple::potential::CpuPotential;
-use supple::sim::{Pin, Simulation, StepReport};
+use supple::sim::{Pin, Simulation, SpringMode, StepReport};
 use supple::world::Backend;
 use supple::{Result, World};
 use supple_bake::bake;
@@ -92,7 +95,49 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
     requests[PINNED] = 0;
     assert_eq!(requests[WARM_UP..], [0; STEPS - WARM_UP], "{requests:?}");
     following_a_host_allocates_nothing(&avatar, &simulation.instances()[0].state.frames)?;
-    a_warm_step_of_a_world_allocates_nothing(avatar)
+    a_warm_step_of_a_world_allocates_nothing(avatar)?;
+    spring_bones_allocate_nothing()
+}
+
+/// Hair on a root that a host moves, near a collider, in steps of one substep and of several.
+fn spring_bones_allocate_nothing() -> Result<()> {
+    let hair = SpringJoint {
+        stiffness: 0.5,
+        drag_force: 0.2,
+        hit_radius: 0.01,
+        ..support::LIMP
+    };
+    let limb = support::full_space_limb(&support::SMALL, 1, true);
+    let mut avatar = support::with_tail(&limb, 6, hair);
+    avatar.springs.colliders.push(SpringCollider {
+        bone: 0,
+        offset: DVec3::new(-0.4, 0.0, -0.05),
+        tail: None,
+        radius: 0.03,
+    });
+    avatar.springs.chains[0].colliders.push(0);
+    let mut frames = avatar.rest_state().frames;
+    let mut world = World::new(Backend::Cpu)?.with_up(UpAxis::Z);
+    let key = world.add_avatar(avatar)?;
+    let key = world.add_instance(key)?;
+    (world.instance_mut(key)?).set_spring_mode(SpringMode::All);
+    world.add_ground()?;
+    let mut requests = [0; 40];
+    in_pool(|| {
+        for (step, count) in requests.iter_mut().enumerate() {
+            let before = REQUESTS.load(Ordering::Relaxed);
+            for frame in &mut frames {
+                frame.position.z = 0.1 * (step as f64).sin();
+            }
+            world.instance_mut(key)?.follow_frames(&frames)?;
+            world.step_blocking(if step % 2 == 0 { 0.01 } else { 0.05 })?;
+            *count = REQUESTS.load(Ordering::Relaxed) - before;
+        }
+        Ok::<_, supple::Error>(())
+    })?;
+    assert!(requests[0] > 0);
+    assert_eq!(requests[20..], [0; 20], "{requests:?}");
+    Ok(())
 }
 
 /// From frames to a host's matrices and back, by world and by skinning matrices, in vectors that have room.

@@ -8,7 +8,9 @@ use supple::Result;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::cpu::Exact;
 use supple::model::{Avatar, Space, State};
-use supple::potential::{BlockPattern, CpuPotential, GpuOptions, GpuPotential, HessianForm, Potential};
+use supple::potential::{
+    BlockPattern, CpuPotential, GpuOptions, GpuPotential, HessianForm, Potential,
+};
 use supple::sim::{Instance, Iteration, Settings, Simulation, SolverMode, StepReport};
 use supple_bake::SparseCholesky;
 use supple_pictures::Curves;

@@ -1,8 +1,8 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
 use super::{
-    BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, SpringBones, State, TetMesh,
-    UpAxis,
+    BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, SpringBones, State,
+    TetMesh, UpAxis,
 };
 use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;

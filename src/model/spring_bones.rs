@@ -108,7 +108,10 @@ impl SpringBones {
         let colliders = self.chains.iter().flat_map(|chain| &chain.colliders);
         colliders.for_each(|&collider| used[collider as usize] = true);
         let number = retain(&mut self.colliders, &used);
-        let colliders = self.chains.iter_mut().flat_map(|chain| &mut chain.colliders);
+        let colliders = self
+            .chains
+            .iter_mut()
+            .flat_map(|chain| &mut chain.colliders);
         colliders.for_each(|collider| *collider = number[*collider as usize]);
         gone
     }
@@ -127,7 +130,9 @@ impl SpringBones {
         for (i, chain) in self.chains.iter().enumerate() {
             let colliders = chain.colliders.iter();
             check(
-                colliders.max().is_none_or(|&c| (c as usize) < self.colliders.len()),
+                colliders
+                    .max()
+                    .is_none_or(|&c| (c as usize) < self.colliders.len()),
                 format!("chains[{i}].colliders"),
                 "names a collider that is not there",
             )?;
@@ -135,7 +140,9 @@ impl SpringBones {
         for (i, joint) in self.joints.iter().enumerate() {
             let field = |key: &str| format!("joints[{i}].{key}");
             check(
-                parents.get(joint.bone as usize).is_some_and(Option::is_some),
+                parents
+                    .get(joint.bone as usize)
+                    .is_some_and(Option::is_some),
                 field("bone"),
                 "there is no such bone, or it has no parent",
             )?;
@@ -150,7 +157,7 @@ impl SpringBones {
                 field("chain"),
                 "there is no such chain, or its center does not come before the bone",
             )?;
-            let within = |v: DVec3| v.abs().max_element() <= MOST;
+            let within = |v: DVec3| v.is_finite() && v.abs().max_element() <= MOST;
             let length = joint.tail.length();
             check(
                 within(joint.tail) && length > 0.0,
@@ -162,7 +169,10 @@ impl SpringBones {
                 field("rest_rotation"),
                 "is no rotation",
             )?;
-            let numbers = [("stiffness", joint.stiffness), ("hit_radius", joint.hit_radius)];
+            let numbers = [
+                ("stiffness", joint.stiffness),
+                ("hit_radius", joint.hit_radius),
+            ];
             for (key, value) in numbers {
                 let problem = "must be zero or positive, and 1e6 at most";
                 check((0.0..=MOST).contains(&value), field(key), problem)?;

@@ -250,11 +250,7 @@ impl Instance {
             not_negative("instance.colliders.margin", collider.margin, "metres")?;
         }
         check(self.gravity.is_finite(), "gravity", "is not finite")?;
-        check(
-            is_rotation(&self.file_axes),
-            "file_axes",
-            "is no rotation",
-        )?;
+        check(is_rotation(&self.file_axes), "file_axes", "is no rotation")?;
         self.factors.validate().map_err(|e| e.within("instance"))
     }
 }

@@ -36,7 +36,7 @@ const PUBLISHED_STEP: f64 = 1.0 / 60.0;
 const REST: f64 = 1e-12;
 
 /// Passes over a tail's colliders: to be out of one may be to be in another.
-const PASSES: usize = 4;
+const PASSES: usize = 8;
 
 /// A tail and its velocity, in the space of its chain.
 #[derive(Clone, Copy, Debug)]
@@ -370,7 +370,10 @@ mod tests {
             }
             let (keep, gain) = gains(drag, PUBLISHED_STEP);
             assert_eq!((keep, gain), (1.0 - drag, 1.0));
-            assert!((velocity - (keep * 2.0 + gain * pull)).abs() < 1e-9, "{drag}");
+            assert!(
+                (velocity - (keep * 2.0 + gain * pull)).abs() < 1e-9,
+                "{drag}"
+            );
         }
         let counts = [1e-3, 1.0 / 120.0, 1.0 / 60.0, 0.02, 1.0 / 30.0, 0.14].map(substeps);
         assert_eq!(counts, [1, 1, 1, 2, 2, 9]);

@@ -193,7 +193,10 @@ impl Stepper {
         newton.minimise(members, mode, timings, observer).await?;
         let watch = Stopwatch::start();
         let active = &newton.active;
-        let parts = (&mut newton.minimisations[..], &mut newton.iterates.states[..]);
+        let parts = (
+            &mut newton.minimisations[..],
+            &mut newton.iterates.states[..],
+        );
         par_members(each.len(), parts, |i, (minimisation, state)| {
             let (physics, instance) = each[i];
             let carried = &minimisation.carried;

@@ -224,12 +224,7 @@ impl SkeletonPotential {
     }
 
     /// Adds what makes the Hessian exact; see [`FrameTerm::add_geometric`].
-    pub fn add_geometric(
-        &self,
-        frames: &[Frame],
-        packed: &mut [[f64; 9]],
-        pattern: &BlockPattern,
-    ) {
+    pub fn add_geometric(&self, frames: &[Frame], packed: &mut [[f64; 9]], pattern: &BlockPattern) {
         let hessian = &mut FrameHessian::new(packed, pattern);
         for term in self.terms() {
             term.add_geometric(frames, hessian);

@@ -274,7 +274,9 @@ impl Character {
                     rotation: before[parent].rotation.transpose() * before[bone].rotation,
                     position: before[parent].inverse_transform(before[bone].position),
                 };
-                frames[bone] = frames[parent].compose(&local).moved(DVec3::ZERO, DVec3::ZERO);
+                frames[bone] = frames[parent]
+                    .compose(&local)
+                    .moved(DVec3::ZERO, DVec3::ZERO);
             }
         }
     }

@@ -164,7 +164,9 @@ pub fn with_tail(avatar: &Avatar, count: usize, like: SpringJoint) -> Avatar {
     for k in 0..count {
         let (bone, joint) = ((first + k) as u32, root - DVec3::X * (TAIL_STEP * k as f64));
         out.skeleton.names.push(format!("tail {chain} {k}"));
-        out.skeleton.parents.push(Some(if k > 0 { bone - 1 } else { 0 }));
+        out.skeleton
+            .parents
+            .push(Some(if k > 0 { bone - 1 } else { 0 }));
         out.skeleton.joints.push(joint);
         out.bone_masses.push(BoneMass::NONE);
         out.springs.joints.push(SpringJoint {

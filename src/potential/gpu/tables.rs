@@ -140,12 +140,9 @@ impl Tables {
         let cubature = (&avatar.cubature, &avatar.pose_extension);
         let cubature = PointTable::new(space, cubature, "cubature", MAX_POINT_BLOCKS)?;
         let skin = PointTable::new(space, (&avatar.skin, &own), "skin", MAX_VERTEX_BLOCKS)?;
-        let pattern = BlockPattern::new(
-            space,
-            &avatar.carried(),
-            &[&avatar.cubature, &avatar.skin],
-        )
-        .with_bodies(&avatar.body_frames(), &skin.blocks);
+        let pattern =
+            BlockPattern::new(space, &avatar.carried(), &[&avatar.cubature, &avatar.skin])
+                .with_bodies(&avatar.body_frames(), &skin.blocks);
 
         let mut gather = vec![Vec::new(); space.blocks()];
         for (local, &block) in cubature.blocks.entries().iter().enumerate() {

@@ -97,21 +97,33 @@ fn at_sixty_steps_a_second_they_move_as_published() -> Result<()> {
         ..LIMP
     };
     // A pendulum of one joint, then chains on a root that is shaken.
-    let cases = [(1, falling, false), (1, hair, true), (4, hair, true), (4, falling, true)];
+    let cases = [
+        (1, falling, false),
+        (1, hair, true),
+        (4, hair, true),
+        (4, falling, true),
+    ];
     for (count, like, shakes) in cases {
         let avatar = tailed(count, like);
         let mut simulation = simulation(&avatar, PUBLISHED)?;
         let mut published = Published::new(&avatar);
         let mut way = 0.0_f64;
         for step in 1..=120 {
-            let time = if shakes { f64::from(step) * PUBLISHED } else { 0.0 };
+            let time = if shakes {
+                f64::from(step) * PUBLISHED
+            } else {
+                0.0
+            };
             hold(&mut simulation, shaken(time));
             simulation.step_blocking()?;
             published.step(&shaken(time), PUBLISHED);
             let found = tails(&avatar, &simulation.instances()[0].state.frames);
             for (found, wanted) in found.iter().zip(&published.now) {
                 // Chains without drag double their rounding every few steps.
-                assert!(found.distance(*wanted) < 1e-9, "{count} joints, step {step}: {found} {wanted}");
+                assert!(
+                    found.distance(*wanted) < 1e-9,
+                    "{count} joints, step {step}: {found} {wanted}"
+                );
             }
             way = way.max(found[0].distance(Published::new(&avatar).now[0]));
         }
@@ -148,12 +160,19 @@ fn other_time_steps_swing_alike() -> Result<()> {
     let wanted = path(&avatar, PUBLISHED)?;
     let rest = tails(&avatar, &avatar.rest_state().frames)[2];
     let swing = wanted.iter().map(|p| p.distance(rest)).fold(0.0, f64::max);
-    // Steps of 1 ms to 100 ms: what is left is how coarsely the root's motion is told.
-    for (time_step, most) in [(0.001, 0.15), (0.005, 0.15), (1.0 / 30.0, 0.1), (0.05, 0.2), (0.1, 0.6)] {
+    // Below h₀ the three joints lag by half a step less each, at 11 rad/s by 0.28 rad in all. Above it substeps are of h₀, and
+    // what is left is how coarsely the root's motion is told.
+    for (time_step, most) in [
+        (0.001, 0.28),
+        (0.005, 0.28),
+        (1.0 / 30.0, 0.02),
+        (0.05, 0.05),
+        (0.1, 0.15),
+    ] {
         let found = path(&avatar, time_step)?;
         let off = found.iter().zip(&wanted).map(|(a, b)| a.distance(*b));
-        let off = off.fold(0.0, f64::max);
-        assert!(off < most * swing, "{time_step} s: {off} m of {swing} m");
+        let off = off.fold(0.0, f64::max) / swing;
+        assert!(off < most, "{time_step} s: {off}");
     }
     Ok(())
 }
@@ -178,7 +197,12 @@ fn what_rests_stays_where_it_is_bit_by_bit() -> Result<()> {
             }
             let frames = &simulation.instances()[0].state.frames[1..];
             let rest = &avatar.rest_state().frames[1..];
-            assert!(frames.iter().zip(rest).all(|(a, b)| a.rotation == b.rotation));
+            assert!(
+                frames
+                    .iter()
+                    .zip(rest)
+                    .all(|(a, b)| a.rotation == b.rotation)
+            );
         }
         // Pushed away it comes back to the same bits.
         hold(&mut simulation, shaken(0.2));
@@ -189,7 +213,13 @@ fn what_rests_stays_where_it_is_bit_by_bit() -> Result<()> {
         }
         let frames = &simulation.instances()[0].state.frames[1..];
         let rest = &avatar.rest_state().frames[1..];
-        assert!(frames.iter().zip(rest).all(|(a, b)| a.rotation == b.rotation), "{time_step}");
+        assert!(
+            frames
+                .iter()
+                .zip(rest)
+                .all(|(a, b)| a.rotation == b.rotation),
+            "{time_step}"
+        );
     }
     Ok(())
 }
@@ -205,18 +235,19 @@ fn tails_stay_out_of_colliders_by_their_hit_radius() -> Result<()> {
     };
     let mut avatar = tailed(3, falling);
     let root = avatar.skeleton.joints[1];
-    let below = |along: f64, down: f64| root - avatar.skeleton.joints[0] - DVec3::new(along, 0.0, down);
+    let below =
+        |along: f64, down: f64| root - avatar.skeleton.joints[0] - DVec3::new(along, 0.0, down);
     avatar.springs.colliders = vec![
         SpringCollider {
             bone: 0,
-            offset: below(0.06, 0.06),
+            offset: below(0.015, 0.075),
             tail: None,
             radius: 0.03,
         },
         SpringCollider {
             bone: 0,
-            offset: below(0.12, 0.09) - DVec3::Y * 0.1,
-            tail: Some(below(0.12, 0.09) + DVec3::Y * 0.1),
+            offset: below(0.05, 0.11) - DVec3::Y * 0.1,
+            tail: Some(below(0.05, 0.11) + DVec3::Y * 0.1),
             radius: 0.02,
         },
     ];
@@ -226,11 +257,15 @@ fn tails_stay_out_of_colliders_by_their_hit_radius() -> Result<()> {
         ..Frame::IDENTITY
     };
     for with_ground in [false, true] {
+        if with_ground {
+            avatar.springs.chains[0].colliders.clear();
+        }
         let mut simulation = simulation(&avatar, 0.01)?;
         if with_ground {
             let ground = Collider::new(Shape::HalfSpace, frame(root.z - 0.07));
             simulation.instances_mut()[0].colliders.push(ground);
         }
+        let of_file = if with_ground { 0.0 } else { 1.0 };
         let mut met = [0; 3];
         for step in 0..300 {
             let mut root_frame = shaken(f64::from(step) * 0.01);
@@ -244,20 +279,26 @@ fn tails_stay_out_of_colliders_by_their_hit_radius() -> Result<()> {
                     panic!()
                 };
                 let end = capsule.tail.unwrap();
-                let on_axis = capsule.offset.with_y(local.y.clamp(capsule.offset.y, end.y));
+                let on_axis = capsule
+                    .offset
+                    .with_y(local.y.clamp(capsule.offset.y, end.y));
                 let clear = [
-                    local.distance(sphere.offset) - sphere.radius,
-                    local.distance(on_axis) - capsule.radius,
-                    if with_ground { tail.z - (root.z - 0.07) } else { 1.0 },
+                    of_file * (local.distance(sphere.offset) - sphere.radius) + 1.0 - of_file,
+                    of_file * (local.distance(on_axis) - capsule.radius) + 1.0 - of_file,
+                    if with_ground {
+                        tail.z - (root.z - 0.07)
+                    } else {
+                        1.0
+                    },
                 ];
                 for (met, clear) in met.iter_mut().zip(clear) {
                     assert!(clear > falling.hit_radius - 1e-9, "step {step}: {clear} m");
-                    *met += usize::from(clear < falling.hit_radius + 1e-6);
+                    *met += usize::from(clear < falling.hit_radius + 1e-3);
                 }
             }
         }
-        assert!(met[0] > 20 && met[1] > 20, "{met:?}");
-        assert_eq!(met[2] > 20, with_ground, "{met:?}");
+        let wanted = [!with_ground, !with_ground, with_ground];
+        assert_eq!(met.map(|met| met > 20), wanted, "{met:?}");
     }
     Ok(())
 }
@@ -313,8 +354,8 @@ fn targets_are_where_they_return_to_and_modes_say_who_swings() -> Result<()> {
         let angle = rotation_log(frames[1].rotation * bent.transpose()).length();
         let further = rotation_log(frames[1].rotation.transpose() * frames[2].rotation).length();
         match mode {
-            SpringMode::Off => assert!(angle == 0.0 && further < 1e-9, "{angle} {further}"),
-            SpringMode::Free => assert!(angle == 0.0 && further > 0.01, "{angle} {further}"),
+            SpringMode::Off => assert!(angle < 1e-14 && further < 1e-9, "{angle} {further}"),
+            SpringMode::Free => assert!(angle < 1e-14 && further > 0.01, "{angle} {further}"),
             // Drawn down from where the pin says that it rests.
             _ => assert!((0.01..0.1).contains(&angle), "{angle}"),
         }
@@ -359,8 +400,13 @@ fn any_time_step_and_any_motion_leave_them_whole() -> Result<()> {
             let (bone, parent) = (joint.bone as usize, joint.bone as usize - 1);
             let frames = &instance.state.frames;
             let offset = avatar.skeleton.joints[bone] - avatar.skeleton.joints[parent];
-            let gap = frames[parent].transform(offset).distance(frames[bone].position);
-            assert!(gap < 1e-9 * (1.0 + frames[0].position.length()), "step {step}: {gap}");
+            let gap = frames[parent]
+                .transform(offset)
+                .distance(frames[bone].position);
+            assert!(
+                gap < 1e-9 * (1.0 + frames[0].position.length()),
+                "step {step}: {gap}"
+            );
             assert!(frames[bone].is_rigid());
         }
     }
@@ -371,10 +417,15 @@ fn any_time_step_and_any_motion_leave_them_whole() -> Result<()> {
 fn their_rows_are_not_in_the_hessian() -> Result<()> {
     let avatar = full_space_limb(&SMALL, 2, true);
     let blocks = |avatar: &Avatar| -> Result<usize> {
-        Ok(CpuPotential::new(Arc::new(avatar.clone()), 1)?.pattern().len())
+        Ok(CpuPotential::new(Arc::new(avatar.clone()), 1)?
+            .pattern()
+            .len())
     };
     // Of a frame that moves there would be a row across all frames; here each vertex' own.
-    assert_eq!(blocks(&with_tail(&avatar, 100, LIMP))?, blocks(&avatar)? + 300);
+    assert_eq!(
+        blocks(&with_tail(&avatar, 100, LIMP))?,
+        blocks(&avatar)? + 300
+    );
     Ok(())
 }
 
@@ -416,8 +467,14 @@ fn what_makes_no_sense_is_refused() {
     let center = broken(&|avatar| avatar.springs.chains[0].center = Some(1));
     assert!(center.contains("springs.joints[0].chain"), "{center}");
     let collider = broken(&|avatar| avatar.springs.chains[0].colliders = vec![0]);
-    assert!(collider.contains("springs.chains[0].colliders"), "{collider}");
+    assert!(
+        collider.contains("springs.chains[0].colliders"),
+        "{collider}"
+    );
     let massive = broken(&|avatar| avatar.bone_masses[3] = avatar.bone_masses[0]);
-    assert!(massive.contains("without mass") || massive.contains("springs"), "{massive}");
+    assert!(
+        massive.contains("without mass") || massive.contains("springs"),
+        "{massive}"
+    );
     assert_eq!(TAIL_STEP, 0.05);
 }

@@ -36,7 +36,10 @@ fn shaken(avatar: &Avatar, step: u32) -> Vec<Frame> {
         position: DVec3::new(0.0, 0.04 * (13.0 * time).sin(), 0.0),
     };
     let rest = avatar.rest_state();
-    rest.frames.iter().map(|frame| root.compose(frame)).collect()
+    rest.frames
+        .iter()
+        .map(|frame| root.compose(frame))
+        .collect()
 }
 
 fn step(world: &mut World, key: InstanceId, frames: &[Frame]) -> Result<Vec<Frame>> {
@@ -49,7 +52,9 @@ fn step(world: &mut World, key: InstanceId, frames: &[Frame]) -> Result<Vec<Fram
 fn apart(a: &[Frame], b: &[Frame]) -> f64 {
     let pairs = a.iter().zip(b);
     let turn = |(a, b): (&Frame, &Frame)| (a.rotation - b.rotation).to_cols_array();
-    pairs.flat_map(turn).fold(0.0, |most, d| f64::max(most, d.abs()))
+    pairs
+        .flat_map(turn)
+        .fold(0.0, |most, d| f64::max(most, d.abs()))
 }
 
 #[test]
@@ -58,14 +63,15 @@ fn a_host_that_prescribes_them_wins_unless_it_lets_them_swing() -> Result<()> {
     let (mut world, key) = world(&avatar)?;
     for k in 0..40 {
         let wanted = shaken(&avatar, k);
-        assert_eq!(step(&mut world, key, &wanted)?, wanted, "step {k}");
+        let found = step(&mut world, key, &wanted)?;
+        assert!(apart(&found, &wanted) < 1e-14, "step {k}");
     }
     world.instance_mut(key)?.set_spring_mode(SpringMode::All);
     let mut most = 0.0_f64;
     for k in 40..80 {
         let wanted = shaken(&avatar, k);
         let found = step(&mut world, key, &wanted)?;
-        assert_eq!(found[0], wanted[0]);
+        assert!(apart(&found[..1], &wanted[..1]) < 1e-14);
         most = most.max(apart(&found, &wanted));
     }
     assert!(most > 0.1, "{most}");

@@ -17,9 +17,7 @@ use crate::weld::{CUT_WEIGHTS, DRAWN_WEIGHTS, Vertices};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use supple::Result;
-use supple::model::{
-    JointList, PoseBlend, RenderMesh, SkinWeight, SpringBones, Surface, UpAxis,
-};
+use supple::model::{JointList, PoseBlend, RenderMesh, SkinWeight, SpringBones, Surface, UpAxis};
 use supple_bake::{Body, LayerMesh};
 
 /// What a file's scene shows.

@@ -108,7 +108,9 @@ fn notes(told: &ToldSprings, missing: usize) -> Vec<String> {
             1 => String::new(),
             n => format!(" ({n} in all)"),
         };
-        notes.push(format!("the spring chain {name:?} {problem}: left out{more}"));
+        notes.push(format!(
+            "the spring chain {name:?} {problem}: left out{more}"
+        ));
     }
     if told.clamped > 0 {
         let count = told.clamped;

@@ -81,7 +81,11 @@ impl ToldSprings {
             taken: HashSet::new(),
             out: Self::default(),
         };
-        match (&extensions.spring_bones, &extensions.vrm_1, &extensions.vrm_0) {
+        match (
+            &extensions.spring_bones,
+            &extensions.vrm_1,
+            &extensions.vrm_0,
+        ) {
             (Some(springs), ..) => reader.version_1(springs),
             (None, None, Some(vrm)) => reader.version_0(&vrm["secondaryAnimation"]),
             _ => {}
@@ -136,7 +140,7 @@ impl Keys<'_> {
             gravity: number("gravityPower", 0.0)? * self.direction,
             hit_radius: positive("hitRadius", 0.0)?,
         };
-        match joint.gravity.abs().max_element() <= MOST {
+        match joint.gravity.is_finite() && joint.gravity.abs().max_element() <= MOST {
             true => Ok((joint, joint.drag_force != drag)),
             false => Err("has a gravity out of all bounds".into()),
         }
@@ -324,7 +328,8 @@ impl Reader<'_> {
     fn chain_name(&self, told: &Value, first: Option<usize>) -> String {
         let told = told.as_str().filter(|name| !name.is_empty());
         let own = told.map(String::from);
-        own.or_else(|| Some(name(self.file, first?))).unwrap_or_default()
+        own.or_else(|| Some(name(self.file, first?)))
+            .unwrap_or_default()
     }
 
     fn node(&self, value: &Value) -> Result<usize, String> {

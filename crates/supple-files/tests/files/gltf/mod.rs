@@ -14,4 +14,5 @@ mod motions;
 mod parts;
 mod scales;
 mod skins;
+mod springs;
 mod vrm;

@@ -3,7 +3,8 @@
 use super::fixture::*;
 use glam::{DQuat, DVec3};
 use serde_json::json;
-use supple_files::gltf::{BoneCollider, Character};
+use supple::model::SpringCollider;
+use supple_files::gltf::Character;
 use supple_files::parse_gltf;
 
 const ARMATURE: (f64, DQuat, DVec3) = (2.0, DQuat::IDENTITY, DVec3::Y);
@@ -20,7 +21,7 @@ fn read(file: &Fixture) -> Character {
 }
 
 /// Where a collider's middles are in the rest pose.
-fn places(character: &Character, collider: &BoneCollider) -> Vec<DVec3> {
+fn places(character: &Character, collider: &SpringCollider) -> Vec<DVec3> {
     let bone = &character.rest[collider.bone as usize];
     let middles = [Some(collider.offset), collider.tail];
     middles
@@ -51,12 +52,11 @@ fn version_0() {
     assert_eq!(body.skeleton.find("head"), None);
     assert_eq!(character.faces, DVec3::NEG_Z);
     // The head that is not there, and the collider above all bones.
-    assert!(
-        character.notes.iter().any(|n| n.starts_with("2 ")),
-        "{:?}",
-        character.notes
-    );
-    let [sphere] = &character.colliders[..] else {
+    for word in ["humanoid", "colliders"] {
+        let told = |n: &String| n.starts_with("1 ") && n.contains(word);
+        assert!(character.notes.iter().any(told), "{:?}", character.notes);
+    }
+    let [sphere] = &body.springs.colliders[..] else {
         panic!()
     };
     let armature = glam::DAffine3::from_scale_rotation_translation(
@@ -68,7 +68,7 @@ fn version_0() {
     // z points the other way in this version.
     let expected = node.transform_point3(DVec3::new(0.01, 0.02, 0.03));
     assert!(places(&character, sphere)[0].distance(expected) < 1e-6);
-    assert!((sphere.radius - 0.1).abs() < 1e-6 && sphere.tail.is_none() && sphere.group == "0");
+    assert!((sphere.radius - 0.1).abs() < 1e-6 && sphere.tail.is_none());
 }
 
 #[test]
@@ -91,10 +91,9 @@ fn version_1() {
     let body = character.body(&[]).unwrap();
     assert_eq!(body.skeleton.find("leftUpperArm"), Some(2));
     assert_eq!(character.faces, DVec3::Z);
-    let [sphere, capsule] = &character.colliders[..] else {
+    let [sphere, capsule] = &body.springs.colliders[..] else {
         panic!()
     };
-    assert_eq!((&*sphere.group, &*capsule.group), ("arm", ""));
     let armature = glam::DAffine3::from_scale_rotation_translation(
         DVec3::splat(ARMATURE.0),
         ARMATURE.1,
