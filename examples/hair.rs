@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
-use supple::glam::DVec3;
+use supple::glam::{DMat3, DVec3};
 use supple::model::{
     Avatar, BoneMass, JointList, PoseBlend, SkinWeight, SpringChain, SpringCollider, SpringJoint,
     Surface, UpAxis,
@@ -108,10 +108,10 @@ fn avatar(swings: bool) -> Result<Avatar> {
         chain: 0,
         bone: 0,
         tail: DVec3::ZERO,
-        rest_rotation: supple::glam::DMat3::IDENTITY,
-        stiffness: 0.5,
+        rest_rotation: DMat3::IDENTITY,
+        stiffness: 0.8,
         drag_force: 0.3,
-        gravity: DVec3::NEG_Y * 0.1,
+        gravity: DVec3::NEG_Y * 0.5,
         hit_radius: 0.015,
     };
     let mut rows = Vec::new();
@@ -144,7 +144,7 @@ fn avatar(swings: bool) -> Result<Avatar> {
             points: points.collect(),
             half_width: 0.07,
             like: SpringJoint {
-                stiffness: 0.8,
+                stiffness: 1.2,
                 hit_radius: 0.03,
                 ..like
             },
