@@ -36,7 +36,7 @@ const PUBLISHED_STEP: f64 = 1.0 / 60.0;
 const REST: f64 = 1e-12;
 
 /// Passes over a tail's colliders: to be out of one may be to be in another.
-const PASSES: usize = 8;
+const PASSES: usize = 4;
 
 /// A tail and its velocity, in the space of its chain.
 #[derive(Clone, Copy, Debug)]
