@@ -1,11 +1,11 @@
 //! Worlds on the GPU: in step with those on the CPU, one submission a question, the skin where it is drawn from.
 
-use super::{contacts, limb, previous_skins};
+use super::{contacts, limb, previous_skins, springs};
 use supple::collider::Shape;
 use supple::glam::{DVec3, Vec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::{Frame, RigidBody, State, UpAxis};
-use supple::sim::{Settings, SolverMode};
+use supple::sim::{Settings, SolverMode, SpringMode};
 use supple::world::{Backend, BodyId, InstanceId};
 use supple::{Result, World, wgpu};
 
@@ -68,6 +68,38 @@ fn way(a: &State, b: &State) -> f64 {
 /// A gradient on the device is right to 1e-4 of its length (`potential::gpu` tests that), and so is a Newton step, of
 /// which here none is longer than 1 mm: 0.1 µm a step, so 2 µm in 20, and as much again for what contact makes of it.
 const BOUND: f64 = 4e-6;
+
+/// Spring bones swing on the host: their frames are the same bits, and the device poses the skin by them.
+#[test]
+fn spring_bones_swing_as_on_the_cpu() -> Result<()> {
+    let (gpu, avatar) = (device(), springs::tailed());
+    let mut worlds = Vec::new();
+    for backend in [Backend::Cpu, on_gpu(&gpu)] {
+        worlds.push(springs::world(&avatar, backend)?);
+    }
+    let (mut positions, mut normals) = (vec![Vec::new(); 2], Vec::new());
+    for k in 0..20 {
+        for ((world, key), positions) in worlds.iter_mut().zip(&mut positions) {
+            (world.instance_mut(*key)?).set_spring_mode(SpringMode::All);
+            springs::step(world, *key, &springs::shaken(&avatar, k))?;
+            world.read_skin_blocking(*key, positions, &mut normals)?;
+        }
+        let frames = worlds
+            .iter()
+            .map(|(world, key)| Ok(world.instance(*key)?.frames()));
+        let frames = frames.collect::<Result<Vec<_>>>()?;
+        assert_eq!(frames[0], frames[1], "step {k}");
+    }
+    for v in avatar.tissue_vertices()..avatar.skin.len() {
+        let off = positions[0][v].distance(positions[1][v]);
+        // f32 of half a metre from the skin's origin.
+        assert!(
+            off < 4.0 * 0.5 * f64::from(f32::EPSILON),
+            "vertex {v}: {off} m"
+        );
+    }
+    Ok(())
+}
 
 #[test]
 fn two_assets_and_a_body_are_in_step_with_the_cpu() -> Result<()> {

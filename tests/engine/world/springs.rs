@@ -10,7 +10,7 @@ use supple::skeleton::Spring;
 use supple::world::{Backend, InstanceId, Snapshot};
 use supple::{Result, World};
 
-fn tailed() -> Arc<Avatar> {
+pub fn tailed() -> Arc<Avatar> {
     let hair = SpringJoint {
         stiffness: 0.4,
         drag_force: 0.2,
@@ -21,15 +21,15 @@ fn tailed() -> Arc<Avatar> {
     Arc::new(with_tail(&full_space_limb(&SMALL, 1, true), 3, hair))
 }
 
-fn world(avatar: &Arc<Avatar>) -> Result<(World, InstanceId)> {
-    let mut world = World::new(Backend::Cpu)?.with_up(UpAxis::Z);
+pub fn world(avatar: &Arc<Avatar>, backend: Backend) -> Result<(World, InstanceId)> {
+    let mut world = World::new(backend)?.with_up(UpAxis::Z);
     let key = world.add_avatar(avatar.clone())?;
     let key = world.add_instance(key)?;
     Ok((world, key))
 }
 
 /// All bones in the bind pose, moved by a root that is shaken.
-fn shaken(avatar: &Avatar, step: u32) -> Vec<Frame> {
+pub fn shaken(avatar: &Avatar, step: u32) -> Vec<Frame> {
     let time = 0.012 * f64::from(step);
     let root = Frame {
         rotation: DMat3::from_rotation_z(0.5 * (9.0 * time).sin()),
@@ -42,7 +42,7 @@ fn shaken(avatar: &Avatar, step: u32) -> Vec<Frame> {
         .collect()
 }
 
-fn step(world: &mut World, key: InstanceId, frames: &[Frame]) -> Result<Vec<Frame>> {
+pub fn step(world: &mut World, key: InstanceId, frames: &[Frame]) -> Result<Vec<Frame>> {
     world.instance_mut(key)?.follow_frames(frames)?;
     world.step_blocking(0.012)?;
     Ok(world.instance(key)?.frames().to_vec())
@@ -60,7 +60,7 @@ fn apart(a: &[Frame], b: &[Frame]) -> f64 {
 #[test]
 fn a_host_that_prescribes_them_wins_unless_it_lets_them_swing() -> Result<()> {
     let avatar = tailed();
-    let (mut world, key) = world(&avatar)?;
+    let (mut world, key) = world(&avatar, Backend::Cpu)?;
     for k in 0..40 {
         let wanted = shaken(&avatar, k);
         let found = step(&mut world, key, &wanted)?;
@@ -117,7 +117,8 @@ fn a_jump_is_not_felt_and_a_reset_is_at_rest() -> Result<()> {
     let mut avatar = (*tailed()).clone();
     (avatar.springs.joints.iter_mut()).for_each(|joint| joint.gravity = DVec3::ZERO);
     let avatar = Arc::new(avatar);
-    let ((mut jumps, a), (mut stays, b)) = (world(&avatar)?, world(&avatar)?);
+    let ((mut jumps, a), (mut stays, b)) =
+        (world(&avatar, Backend::Cpu)?, world(&avatar, Backend::Cpu)?);
     for (world, key) in [(&mut jumps, a), (&mut stays, b)] {
         (world.instance_mut(key)?).set_spring_mode(SpringMode::All);
     }
@@ -154,7 +155,7 @@ fn a_jump_is_not_felt_and_a_reset_is_at_rest() -> Result<()> {
 #[test]
 fn sleep_keeps_them_as_they_are_and_they_go_on_when_it_ends() -> Result<()> {
     let avatar = tailed();
-    let (mut world, key) = world(&avatar)?;
+    let (mut world, key) = world(&avatar, Backend::Cpu)?;
     (world.instance_mut(key)?).set_spring_mode(SpringMode::All);
     let mut before = Vec::new();
     for k in 0..30 {
@@ -182,7 +183,7 @@ fn sleep_keeps_them_as_they_are_and_they_go_on_when_it_ends() -> Result<()> {
 #[test]
 fn a_restored_world_swings_on_with_the_same_bits() -> Result<()> {
     let avatar = tailed();
-    let (mut world, key) = world(&avatar)?;
+    let (mut world, key) = world(&avatar, Backend::Cpu)?;
     (world.instance_mut(key)?).set_spring_mode(SpringMode::All);
     let ball = Collider::new(
         Shape::Sphere { radius: 0.1 },
