@@ -1,4 +1,4 @@
-//! The dynamics of spring bones, as published in VRMC_springBone-1.0 (VRM consortium), "SpringBone Algorithm".
+//! The dynamics of spring bones (method §6), as published in VRMC_springBone-1.0 (VRM consortium), "SpringBone Algorithm".
 //!
 //! A joint at c with its rest rotation R in the world (its parent's times that at rest) has a tail x at distance ℓ. A step of
 //! the published length h₀ = 1/60 s is, with drag force d, stiffness s, gravity g and the rest direction e,

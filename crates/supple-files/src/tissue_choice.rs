@@ -69,9 +69,10 @@ pub(super) fn choose_tissue(body: &Body, parts: &[Part], named: &[Option<bool>])
     tissue
 }
 
-/// Whether spring bones move most of a part.
+/// Whether spring bones, but those that the file calls a person's, move most of a part.
 fn swings(body: &Body, part: &Part) -> bool {
-    let swings = |bone: u32| body.springs.of_bone(bone as usize).is_some();
+    let persons = |bone: u32| body.skeleton.aliases.iter().any(|(_, b)| *b == bone);
+    let swings = |bone: u32| body.springs.of_bone(bone as usize).is_some() && !persons(bone);
     !body.springs.is_empty() && part.share(swings) > 0.5
 }
 
