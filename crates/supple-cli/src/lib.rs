@@ -7,6 +7,7 @@ mod bake;
 mod bake_report;
 mod body_flags;
 mod figures;
+mod glb_flags;
 mod inspect;
 mod motion;
 mod motion_flags;
