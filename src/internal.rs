@@ -53,4 +53,5 @@ pub mod linear_solver {
     pub use crate::sim::linear_solver::*;
 }
 
+pub use crate::file::whole::write_whole;
 pub use crate::random_avatar::{pose_offsets, random_avatar, random_state};

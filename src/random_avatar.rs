@@ -61,6 +61,7 @@ pub fn random_avatar(
         attached: (0..ATTACHED).map(followed).collect(),
         pose_extension: pose_extension(seed, points, tissue),
         render_meshes: Vec::new(),
+        appearance: Default::default(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 3e4,
             poissons_ratio: 0.45,

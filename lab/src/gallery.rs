@@ -5,6 +5,7 @@ use super::{Block, Check, Figure, Page, Runner, Table};
 use serde::Serialize;
 use std::path::Path;
 use supple::internal::math::Stopwatch;
+use supple::internal::write_whole;
 use supple::{Error, Result};
 
 /// What came of a run of figures; `figures.json`.
@@ -97,10 +98,10 @@ pub fn write_gallery(
         done(&verdict);
         summary.figures.push(verdict);
         pages.push(page);
-        write(&folder.join("index.html"), &index(&summary, &pages)?)?;
+        write_whole(folder.join("index.html"), index(&summary, &pages)?)?;
         let json = serde_json::to_string_pretty(&summary)
             .map_err(|e| Error::invalid("figures.json", e.to_string()))?;
-        write(&folder.join("figures.json"), &json)?;
+        write_whole(folder.join("figures.json"), json)?;
     }
     Ok(summary)
 }
@@ -118,10 +119,6 @@ fn write_pictures(page: &Page, folder: &Path) -> Result<()> {
 
 fn make_folder(path: &Path) -> Result<()> {
     std::fs::create_dir_all(path).map_err(|e| Error::io(path, e))
-}
-
-fn write(path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, text).map_err(|e| Error::io(path, e))
 }
 
 /// The processor, how many threads it runs, and the system.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use supple::{Error, Result};
-use supple_cli::terminal::{bar, exit, print, print_json};
+use supple_cli::terminal::{bar, exit, parse, print, print_json};
 use supple_lab::{FIGURES, Figure, Progress, Runner, Size, Verdict, write_gallery};
 use supple_scene::unpack_scenes;
 
@@ -38,7 +38,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    exit(Arguments::parse().run())
+    parse().map_or_else(|code| code, |arguments: Arguments| exit(arguments.run()))
 }
 
 impl Arguments {

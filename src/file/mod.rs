@@ -15,13 +15,15 @@
 mod parts;
 mod sections;
 mod sparse_columns;
+pub(crate) mod whole;
 
 pub use sections::Section;
+use whole::write_whole;
 
 use crate::model::Avatar;
 use crate::{Error, Result};
-use std::fs::{self, File};
-use std::io::{Read, Write};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 /// A larger file is not read: 1 GiB, a hundred times a detailed body.
@@ -31,7 +33,8 @@ const MOST_BYTES: u64 = 1 << 30;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Parts {
-    /// What a step and drawing read. [`Avatar::layer`] stays empty: no det F over tets, no full space.
+    /// What a step and drawing read, but for images. [`Avatar::layer`] stays empty: no det F over tets, no full space; and
+    /// [`Avatar::appearance`]: a host has the character's own.
     Step,
     /// Everything.
     #[default]
@@ -95,19 +98,7 @@ impl AvatarFile {
     /// # Errors
     /// As [`AvatarFile::to_bytes`], and [`Error::Io`].
     pub fn write(&self, parts: Parts, path: impl AsRef<Path>) -> Result<()> {
-        let path = path.as_ref();
-        let bytes = self.to_bytes(parts)?;
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".{}.part", std::process::id()));
-        let part = path.with_file_name(name);
-        let written = File::create(&part)
-            .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
-            .and_then(|()| fs::rename(&part, path));
-        written.map_err(|source| {
-            // The error is the one to tell; a part that cannot be removed is only litter.
-            let _ = fs::remove_file(&part);
-            Error::io(path, source)
-        })
+        write_whole(path, self.to_bytes(parts)?)
     }
 
     /// Reads a file.

@@ -15,6 +15,8 @@
 //! | `atta` | what attached vertices follow | nothing is attached |
 //! | `draw` | how the body's file draws the skin | the skin is drawn as it is |
 //! | `shad` | index of the material and tangents of each part of `draw` | none |
+//! | `vatt` | normals, colours and further texture coordinates of each part of `draw` | none |
+//! | `look` | materials, textures and images of the body's file | parts are drawn in plain colours |
 //! | `layr` | mesh, basis and embedding of the soft layer: for reports, bakes and the full space | none |
 
 use super::Parts;
@@ -23,8 +25,8 @@ use super::sparse_columns::SparseColumns;
 use crate::material::{LocalTissue, Material};
 use crate::math::Rows;
 use crate::model::{
-    Avatar, BasisEntry, BoneMass, JointList, PointSet, PoseBlend, RenderMesh, Skeleton, SkinWeight,
-    SoftLayer, SpringBones, UpAxis,
+    Appearance, Avatar, BasisEntry, BoneMass, JointList, PointSet, PoseBlend, RenderMesh, Skeleton,
+    SkinWeight, SoftLayer, SpringBones, UpAxis,
 };
 use crate::{Error, Result};
 use glam::DVec3;
@@ -32,6 +34,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The version of every section so far.
 const VERSION: u32 = 1;
@@ -50,12 +53,16 @@ const EXTENSION: [u8; 4] = *b"exte";
 const ATTACHED: [u8; 4] = *b"atta";
 const DRAWN: [u8; 4] = *b"draw";
 const SHADING: [u8; 4] = *b"shad";
+const VERTEX_ATTRIBUTES: [u8; 4] = *b"vatt";
+const APPEARANCE: [u8; 4] = *b"look";
 const LAYER: [u8; 4] = *b"layr";
 
 type Bones<'a> = (Cow<'a, str>, Cow<'a, Skeleton>, Cow<'a, [BoneMass]>);
 type Triangles<'a> = Cow<'a, [[u32; 3]]>;
 /// What a [`RenderMesh`] has beside its own section.
 type Shading = (Option<u32>, Vec<[f32; 4]>);
+/// And besides: normals, colours, further texture coordinates.
+type VertexAttributes = (Vec<[f32; 3]>, Vec<[f32; 4]>, Vec<Vec<[f32; 2]>>);
 
 /// A [`PointSet`] without its pose blend shapes.
 #[derive(Serialize, Deserialize)]
@@ -136,6 +143,23 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
         let shading: Vec<Shading> = avatar.render_meshes.iter().map(of).collect();
         sections.push(section(SHADING, &shading)?);
     }
+    let attributed = |d: &RenderMesh| {
+        !(d.normals.is_empty() && d.colours.is_empty() && d.further_coordinates.is_empty())
+    };
+    if avatar.render_meshes.iter().any(attributed) {
+        let of = |d: &RenderMesh| {
+            (
+                d.normals.clone(),
+                d.colours.clone(),
+                d.further_coordinates.clone(),
+            )
+        };
+        let attributes: Vec<VertexAttributes> = avatar.render_meshes.iter().map(of).collect();
+        sections.push(section(VERTEX_ATTRIBUTES, &attributes)?);
+    }
+    if parts == Parts::All && !avatar.appearance.is_empty() {
+        sections.push(section(APPEARANCE, &*avatar.appearance)?);
+    }
     if parts == Parts::All && avatar.layer != SoftLayer::default() {
         sections.push(section(LAYER, &avatar.layer)?);
     }
@@ -167,6 +191,11 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         pose_extension: reader.optional(EXTENSION)?.unwrap_or_default(),
         attached: reader.optional(ATTACHED)?.unwrap_or_default(),
         render_meshes: reader.render_meshes()?,
+        appearance: Arc::new(
+            reader
+                .optional::<Appearance>(APPEARANCE)?
+                .unwrap_or_default(),
+        ),
         material: tissue.material,
         tissue: tissue.local.into_owned(),
         density: tissue.density,
@@ -239,16 +268,27 @@ impl Reader<'_> {
     /// How the file draws the skin, with what the shading needs where the file has it.
     fn render_meshes(&mut self) -> Result<Vec<RenderMesh>> {
         let mut drawn: Vec<RenderMesh> = self.optional(DRAWN)?.unwrap_or_default();
-        if let Some(shading) = self.optional::<Vec<Shading>>(SHADING)? {
-            if shading.len() != drawn.len() {
-                let problem = format!("is of {} parts; there are {}", shading.len(), drawn.len());
-                return Err(Error::format(self.path, tag_name(SHADING), problem));
-            }
-            for (part, shading) in drawn.iter_mut().zip(shading) {
-                (part.material_index, part.tangents) = shading;
-            }
+        let shading = self.of_parts::<Shading>(SHADING, drawn.len())?;
+        for (part, shading) in drawn.iter_mut().zip(shading) {
+            (part.material_index, part.tangents) = shading;
+        }
+        let attributes = self.of_parts::<VertexAttributes>(VERTEX_ATTRIBUTES, drawn.len())?;
+        for (part, attributes) in drawn.iter_mut().zip(attributes) {
+            (part.normals, part.colours, part.further_coordinates) = attributes;
         }
         Ok(drawn)
+    }
+
+    /// A section with an entry for each drawn part, or nothing.
+    fn of_parts<T: DeserializeOwned>(&mut self, tag: [u8; 4], parts: usize) -> Result<Vec<T>> {
+        let found: Option<Vec<T>> = self.optional(tag)?;
+        match found {
+            Some(found) if found.len() != parts => {
+                let problem = format!("is of {} parts; there are {parts}", found.len());
+                Err(Error::format(self.path, tag_name(tag), problem))
+            }
+            found => Ok(found.unwrap_or_default()),
+        }
     }
 
     /// The set of `points`, with the pose blend shapes of section `pose`.

@@ -1,8 +1,8 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
 use super::{
-    BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, SpringBones, State,
-    TetMesh, UpAxis,
+    Appearance, BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, SpringBones,
+    State, TetMesh, UpAxis,
 };
 use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;
@@ -10,6 +10,7 @@ use crate::model::RenderMesh;
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The volume between bones and skin, kept for the full-space solve and for reports.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -68,6 +69,10 @@ pub struct Avatar {
     pub pose_extension: Rows<(u32, f32)>,
     /// How the body's file draws the skin; none where it is drawn as it is.
     pub render_meshes: Vec<RenderMesh>,
+    /// Materials and images of the body's file, which `render_meshes` name; in a section of their own
+    /// ([`crate::file`]).
+    #[serde(skip)]
+    pub appearance: Arc<Appearance>,
     /// What the tissue is made of.
     pub material: Material,
     /// Stiffness and axes of the material at each cubature point; none where they are the same everywhere.

@@ -1,5 +1,6 @@
 //! What an avatar is: plain data, no algorithms beyond its own geometry.
 
+mod appearance;
 mod avatar;
 mod bone_mass;
 mod follow;
@@ -17,6 +18,7 @@ mod surface;
 mod tet_mesh;
 mod up_axis;
 
+pub use appearance::{Appearance, Image};
 pub use avatar::{Avatar, SoftLayer};
 pub use bone_mass::BoneMass;
 pub use frame::Frame;

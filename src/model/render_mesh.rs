@@ -14,7 +14,8 @@ pub struct RenderMesh {
     /// Name of its material, empty where it has none.
     pub material: String,
     /// Which of the file's materials that is, in the file's order; none where it has none, or in a baked file of before.
-    /// In a section of its own ([`crate::file`]), as tangents are: files are read that have none.
+    /// In a section of its own ([`crate::file`]), as tangents, normals, colours and further coordinates are: files are read
+    /// that have none.
     #[serde(skip)]
     pub material_index: Option<u32>,
     /// The body vertex of each of the part's own vertices.
@@ -25,6 +26,16 @@ pub struct RenderMesh {
     /// u, and the sign of the bitangent, as glTF has them.
     #[serde(skip)]
     pub tangents: Vec<[f32; 4]>,
+    /// Normal of each of the part's own vertices, or none at all: unit vectors in the reference shape, as the file has them.
+    #[serde(skip)]
+    pub normals: Vec<[f32; 3]>,
+    /// Colour of each of the part's own vertices, or none at all: linear red, green, blue, and opacity, which multiply
+    /// those of the material.
+    #[serde(skip)]
+    pub colours: Vec<[f32; 4]>,
+    /// Further sets of texture coordinates, each like `texture_coordinates`, which is the first.
+    #[serde(skip)]
+    pub further_coordinates: Vec<Vec<[f32; 2]>>,
     /// Triangles of the part's own vertices.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -39,16 +50,25 @@ impl RenderMesh {
         let coordinates = &self.texture_coordinates;
         let sound = self.vertices.iter().all(|&v| (v as usize) < body_vertices)
             && (self.triangles.iter().flatten()).all(|&v| (v as usize) < own)
-            && (coordinates.is_empty() || coordinates.len() == own)
-            && coordinates.iter().flatten().all(|c| c.is_finite())
-            && (self.tangents.is_empty() || self.tangents.len() == own)
-            && self.tangents.iter().flatten().all(|t| t.is_finite());
+            && [coordinates]
+                .into_iter()
+                .chain(&self.further_coordinates)
+                .all(|c| fits(c, own))
+            && fits(&self.tangents, own)
+            && fits(&self.normals, own)
+            && fits(&self.colours, own);
         if sound {
             Ok(())
         } else {
             let problem = "names a vertex that is not there, or has other than one finite texture \
-                           coordinate or tangent a vertex";
+                           coordinate, tangent, normal or colour a vertex";
             Err(Error::invalid(format!("drawn.{}", self.name), problem))
         }
     }
+}
+
+/// Whether there is nothing, or one finite vector for each of `own` vertices.
+fn fits<const N: usize>(values: &[[f32; N]], own: usize) -> bool {
+    (values.is_empty() || values.len() == own)
+        && values.as_flattened().iter().all(|c| c.is_finite())
 }

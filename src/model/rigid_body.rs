@@ -234,6 +234,7 @@ impl RigidBody {
             attached: Rows::default(),
             pose_extension: Rows::default(),
             render_meshes: Vec::new(),
+            appearance: Default::default(),
             material: Material::StableNeoHookean(StableNeoHookean {
                 youngs_modulus: 1.0,
                 poissons_ratio: 0.0,

@@ -120,6 +120,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         attached: Rows::default(),
         pose_extension: Rows::default(),
         render_meshes: Vec::new(),
+        appearance: Default::default(),
         material: Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus: 30e3,
             poissons_ratio: 0.4,

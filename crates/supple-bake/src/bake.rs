@@ -191,6 +191,7 @@ fn bake_phases(
         attached,
         pose_extension: extension,
         render_meshes: body.render_meshes.clone(),
+        appearance: body.appearance.clone(),
         material,
         tissue: (cubature.tets.iter())
             .map(|&t| layer_tissue[t as usize])

@@ -1,6 +1,6 @@
 //! What evaluates the potential, and a scene played on it.
 
-use super::terminal::bar;
+use super::terminal::{bar, tell};
 use std::sync::Arc;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
@@ -35,10 +35,10 @@ impl BackendFlags {
     /// Plays `scene`, and says on stderr on which backend.
     pub fn simulate(&self, scene: &Scene, avatar: &Arc<Avatar>) -> Result<SceneRun> {
         if let Some(gpu) = self.open_gpu()? {
-            eprintln!(
+            tell(format_args!(
                 "backend: gpu, {} ({})",
                 gpu.adapter.name, gpu.adapter.backend
-            );
+            ));
             let options = GpuOptions {
                 colliders: scene.collider_count().max(1),
                 ..GpuOptions::default()
@@ -52,7 +52,7 @@ impl BackendFlags {
             return Ok(run);
         }
         let potential = CpuPotential::new(avatar.clone(), 1)?;
-        eprintln!("backend: cpu{}", self.why_cpu());
+        tell(format_args!("backend: cpu{}", self.why_cpu()));
         let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
         let mut run = play(scene, avatar, &mut simulation)?;
         run.report.backend = "cpu".into();

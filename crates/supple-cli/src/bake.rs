@@ -28,7 +28,7 @@ pub struct Arguments {
     /// No pictures.
     #[arg(long)]
     no_pictures: bool,
-    /// Leave out what no step reads: a file for a game, a fifth of the size; no det F over tets, no full space.
+    /// Leave out what no step reads: a file for a game, a fifth of the size; no det F over tets, no full space, no images.
     #[arg(long)]
     without_layer: bool,
     /// Write the bake's figures to stdout as JSON.

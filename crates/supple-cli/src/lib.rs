@@ -7,6 +7,7 @@ mod bake;
 mod bake_report;
 mod body_flags;
 mod figures;
+mod glb_flags;
 mod inspect;
 mod motion;
 mod motion_flags;
@@ -52,7 +53,11 @@ enum Command {
 
 /// Runs the command; an error goes to stderr, and the exit code is 1.
 pub fn main() -> ExitCode {
-    terminal::exit(match Arguments::parse().command {
+    let arguments: Arguments = match terminal::parse() {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
+    terminal::exit(match arguments.command {
         Command::Play(arguments) => arguments.run(),
         Command::Bake(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),

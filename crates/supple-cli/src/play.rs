@@ -2,16 +2,18 @@
 
 use super::backend::BackendFlags;
 use super::body_flags::BodyFlags;
+use super::glb_flags::GlbFlags;
 use super::make_folder;
 use super::motion_flags::{MotionFlags, from_file};
 use super::simulate::tell_motion;
 use super::simulate_report::{print_report, warn_of_the_implausible};
-use super::terminal::{baking_if_needed, print, print_json, to_json};
+use super::terminal::{baking_if_needed, print, print_json, tell, to_json};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use supple::{Error, Result};
-use supple_files::{CharacterFormat, FileKind, read_gltf_motions, write_glb};
+use supple::Result;
+use supple::internal::write_whole;
+use supple_files::{CharacterFormat, FileKind, read_gltf_motions};
 use supple_pictures::picture_animation;
 use supple_scene::{AvatarSource, Report, Scene, Showing, TrackedMotion, load_avatar};
 
@@ -31,6 +33,8 @@ pub struct Arguments {
     /// How long [default: the clip, 8 s at most].
     #[arg(long)]
     seconds: Option<f64>,
+    #[command(flatten)]
+    glb: GlbFlags,
     #[command(flatten)]
     backend: BackendFlags,
     /// Write the report to stdout as JSON.
@@ -63,7 +67,7 @@ impl Arguments {
         let avatar = load_avatar(&scene.avatar, &self.cache, &mut baking_if_needed())?;
         let avatar = Arc::new(avatar);
         let showing = scene.show(&avatar, motion, self.seconds)?;
-        eprintln!("{stem}: {showing}");
+        tell(format_args!("{stem}: {showing}"));
         let run = self.backend.simulate(&scene, &avatar)?;
         tell_motion(&run);
         let folder = self.output.clone();
@@ -71,20 +75,19 @@ impl Arguments {
             folder.unwrap_or_else(|| Path::new("out").join(format!("{}.play", scene.name)));
         make_folder(&folder)?;
         let pictures = &run.snapshots;
-        eprintln!("drawing {} pictures", pictures.len());
+        tell(format_args!("drawing {} pictures", pictures.len()));
         let frame_time = match &scene.output.panels[..] {
             [first, second, ..] => second.time - first.time,
             _ => 1.0,
         };
         picture_animation(&scene, &avatar, pictures, frame_time)
             .write_png(&folder.join("play.png"))?;
-        write_glb(&avatar, &run.recording, folder.join("avatar.glb"))?;
+        self.glb.write(&avatar, &run.recording, &folder)?;
         let told = Told {
             showing: &showing,
             report: &run.report,
         };
-        let path = folder.join("report.json");
-        std::fs::write(&path, to_json(&told)?).map_err(|e| Error::io(&path, e))?;
+        write_whole(folder.join("report.json"), to_json(&told)?)?;
         warn_of_the_implausible(&run.report);
         if self.json {
             return print_json(&told);
@@ -109,7 +112,7 @@ fn own_clip(source: &AvatarSource) -> Result<Option<TrackedMotion>> {
     // A character whose animation is broken is shown all the same.
     let moves = read_gltf_motions(model).map(|clips| !clips.is_empty());
     let moves = moves.unwrap_or_else(|e| {
-        eprintln!("note: no clip of its own: {e}");
+        tell(format_args!("note: no clip of its own: {e}"));
         false
     });
     Ok(moves.then(|| TrackedMotion::of_file(model)))

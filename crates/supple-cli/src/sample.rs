@@ -4,8 +4,9 @@ use super::make_folder;
 use super::terminal::print;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use supple::Result;
+use supple::internal::write_whole;
 use supple::model::UpAxis;
-use supple::{Error, Result};
 use supple_files::{
     TetMeshFile, pose_line, write_bvh, write_obj, write_painted, write_smpl, write_tet_mesh,
 };
@@ -52,8 +53,7 @@ impl Arguments {
             }
             Model::Grasp => {
                 let lines: String = grasp().iter().map(pose_line).collect();
-                let path = folder.join("grasp.jsonl");
-                std::fs::write(&path, lines).map_err(|e| Error::io(&path, e))?;
+                write_whole(folder.join("grasp.jsonl"), lines)?;
                 print(format_args!("written to {}", folder.display()));
                 return Ok(());
             }
@@ -172,5 +172,5 @@ fn write_recipe(source: &AvatarSource, path: &Path) -> Result<()> {
         }
         out += &format!("{line}\n");
     }
-    std::fs::write(path, out).map_err(|e| Error::io(path, e))
+    write_whole(path, out)
 }

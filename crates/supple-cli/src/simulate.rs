@@ -1,15 +1,16 @@
 //! `supple simulate`.
 
 use super::backend::{Backend, BackendFlags};
+use super::glb_flags::GlbFlags;
 use super::make_folder;
 use super::motion_flags::{MotionFlags, from_file};
 use super::simulate_report::{print_report, warn_of_the_implausible};
-use super::terminal::{baking_if_needed, bar, print, print_json, to_json};
+use super::terminal::{baking_if_needed, bar, print, print_json, tell, to_json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use supple::internal::write_whole;
 use supple::model::Avatar;
 use supple::{Error, Result};
-use supple_files::write_glb;
 use supple_pictures::picture_strip;
 use supple_scene::{
     FullSpaceRun, Scene, SceneRun, committed_scenes, load_avatar, read_scene, run_full_space,
@@ -44,6 +45,8 @@ pub struct Arguments {
     motion: Option<PathBuf>,
     #[command(flatten)]
     of_motion: MotionFlags,
+    #[command(flatten)]
+    glb: GlbFlags,
     /// Only the report: no pictures, no GLB file.
     #[arg(long)]
     no_pictures: bool,
@@ -62,9 +65,9 @@ impl Arguments {
         let mut avatar = load_avatar(&scene.avatar, &self.cache, &mut baking_if_needed())?;
         if scene.is_idle() {
             let showing = scene.show(&avatar, None, Some(scene.duration()))?;
-            eprintln!(
+            tell(format_args!(
                 "note: the scene has neither pins, targets, a motion, colliders nor bodies: {showing}"
-            );
+            ));
         }
         scene.dress(&mut avatar)?;
         let (avatar, run) = if self.full_space {
@@ -86,16 +89,9 @@ impl Arguments {
         make_folder(&folder)?;
         if !self.no_pictures {
             picture_strip(&scene, &avatar, &run.snapshots).write_png(&folder.join("strip.png"))?;
-            let glb = write_glb(&avatar, &run.recording, folder.join("avatar.glb"))?;
-            eprintln!(
-                "avatar.glb: {} KiB, {} morphs that miss {:.4} mm at most",
-                glb.bytes / 1024,
-                glb.morphs,
-                1e3 * glb.largest_morph_error
-            );
+            self.glb.write(&avatar, &run.recording, &folder)?;
         }
-        let path = folder.join("report.json");
-        std::fs::write(&path, to_json(&run.report)?).map_err(|e| Error::io(&path, e))?;
+        write_whole(folder.join("report.json"), to_json(&run.report)?)?;
         warn_of_the_implausible(&run.report);
         if self.json {
             return print_json(&run.report);
@@ -124,7 +120,7 @@ impl Arguments {
 
     /// Solves for every node, or takes what an earlier run kept; says on stderr which.
     fn solve_full_space(&self, scene: &Scene, avatar: &Avatar) -> Result<FullSpaceRun> {
-        eprintln!("backend: cpu, full space");
+        tell(format_args!("backend: cpu, full space"));
         let bar = bar(scene.steps, &scene.name);
         let folder = (!self.no_cache).then_some(&*self.cache);
         let found = run_full_space(scene, avatar, folder, &mut |step| {
@@ -133,10 +129,10 @@ impl Arguments {
         bar.finish_and_clear();
         let found = found?;
         if let Some(path) = &found.kept {
-            eprintln!(
+            tell(format_args!(
                 "kept from an earlier run: {} (--no-cache would solve again)",
                 path.display()
-            );
+            ));
         }
         Ok(found)
     }
@@ -145,9 +141,9 @@ impl Arguments {
 /// Says on stderr how the motion was taken.
 pub fn tell_motion(run: &SceneRun) {
     if let Some(map) = &run.bone_map {
-        eprintln!("motion: {}", map.summary());
+        tell(format_args!("motion: {}", map.summary()));
     }
     for note in &run.report.motion_notes {
-        eprintln!("motion: {note}");
+        tell(format_args!("motion: {note}"));
     }
 }

@@ -1,6 +1,6 @@
 //! A run's report as a table.
 
-use super::terminal::print_table;
+use super::terminal::{print_table, tell};
 use supple_scene::Report;
 
 /// Says on stderr what no body would survive: the run ended, but its results mean little.
@@ -8,15 +8,15 @@ pub fn warn_of_the_implausible(r: &Report) {
     /// Beyond this a joint is torn, mm.
     const TORN: f64 = 10.0;
     if let Some(det) = r.min_det_f.filter(|det| *det <= 0.0) {
-        eprintln!(
+        tell(format_args!(
             "warning: tets were inverted (smallest det F {det:.3}): more handles in the volume, or a gentler press, would help"
-        );
+        ));
     }
     if r.max_joint_gap_mm > TORN {
-        eprintln!(
+        tell(format_args!(
             "warning: a joint came apart by {:.1} mm: a target may be out of reach, or the joint_stiffness too low",
             r.max_joint_gap_mm
-        );
+        ));
     }
 }
 

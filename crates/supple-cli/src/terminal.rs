@@ -1,25 +1,61 @@
 //! What goes to the terminal: lines, tables, JSON, bars.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::Write;
+use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::Mutex;
 use supple::{Error, Result};
 use supple_bake::PHASES;
 
-/// What a command ends with; an error goes to stderr.
+/// What first went wrong on standard output, until the command ends with it.
+static BROKEN: Mutex<Option<io::Error>> = Mutex::new(None);
+
+/// The command's arguments, or the exit code of help and wrong usage, which are printed.
+pub fn parse<A: clap::Parser>() -> Result<A, ExitCode> {
+    A::try_parse().map_err(|message| {
+        let printed = message.print().and_then(|()| io::stdout().flush());
+        match (printed, message.use_stderr()) {
+            (Err(e), false) => exit(Err(stdout_error(e))),
+            _ => ExitCode::from(u8::try_from(message.exit_code()).unwrap_or(1)),
+        }
+    })
+}
+
+/// What a command ends with; an error, also of standard output, goes to stderr.
 pub fn exit(result: Result<()>) -> ExitCode {
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
+    remember(io::stdout().flush());
+    let broken = BROKEN.lock().ok().and_then(|mut broken| broken.take());
+    match (result, broken) {
+        (Ok(()), None) => ExitCode::SUCCESS,
+        (Ok(()), Some(e)) => exit(Err(stdout_error(e))),
+        (Err(error), _) => {
+            tell(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }
 }
 
-/// Writes a line to stdout; a closed pipe ends the output, not the command.
+/// Writes a line to stdout. Where that fails (a closed pipe, a full disk) the command goes on without it, since it may have
+/// files to write; [`exit`] then ends it with the error.
 pub fn print(text: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stdout(), "{text}");
+    if BROKEN.lock().is_ok_and(|broken| broken.is_none()) {
+        remember(writeln!(io::stdout(), "{text}"));
+    }
+}
+
+/// Writes a line to stderr, if anybody hears it.
+pub fn tell(text: impl std::fmt::Display) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+fn remember(written: io::Result<()>) {
+    if let (Err(e), Ok(mut broken)) = (written, BROKEN.lock()) {
+        broken.get_or_insert(e);
+    }
+}
+
+fn stdout_error(source: io::Error) -> Error {
+    Error::io("standard output", source)
 }
 
 /// Writes a value to stdout as JSON.

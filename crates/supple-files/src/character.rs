@@ -300,6 +300,7 @@ fn skin_around_one_bone(name: &str, objects: Vec<(String, Surface)>) -> Body {
         painted: Default::default(),
         attachments: Vec::new(),
         render_meshes: Vec::new(),
+        appearance: Default::default(),
     }
 }
 

@@ -35,7 +35,9 @@ pub use bvh::{BvhOptions, bvh_text, parse_bvh, read_bvh, write_bvh};
 pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
 pub use colour::{BODY_COLOUR, Colour, from_srgb};
 pub use file::{read_text, read_toml_text};
-pub use gltf::write::{GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, write_glb};
+pub use gltf::write::{
+    GlbOptions, GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, write_glb, write_glb_with,
+};
 pub use gltf::{is_gltf_motion, parse_gltf, parse_gltf_motions, read_gltf, read_gltf_motions};
 pub use hand_pose::{parse_pose, read_pose};
 pub use motion::{

@@ -2,6 +2,7 @@
 
 use crate::image::Image;
 use std::path::Path;
+use supple::internal::write_whole;
 use supple::{Error, Result};
 
 /// Pictures of one size, one after the other, again and again.
@@ -87,7 +88,7 @@ impl Animation {
     /// # Errors
     /// [`Error::Io`], and those of [`Animation::to_png`].
     pub fn write_png(&self, path: &Path) -> Result<()> {
-        std::fs::write(path, self.to_png()?).map_err(|e| Error::io(path, e))
+        write_whole(path, self.to_png()?)
     }
 }
 

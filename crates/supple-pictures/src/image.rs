@@ -3,6 +3,7 @@
 use super::Colour;
 use super::colour::{from_srgb, mix, to_srgb};
 use std::path::Path;
+use supple::internal::write_whole;
 use supple::{Error, Result};
 
 /// An sRGB picture, rows from the top.
@@ -85,7 +86,7 @@ impl Image {
 
     /// Writes a PNG file.
     pub fn write_png(&self, path: &Path) -> Result<()> {
-        std::fs::write(path, self.to_png()?).map_err(|e| Error::io(path, e))
+        write_whole(path, self.to_png()?)
     }
 }
 

@@ -80,6 +80,7 @@ impl Finger {
             painted: Default::default(),
             attachments: Vec::new(),
             render_meshes: Vec::new(),
+            appearance: Default::default(),
         };
         Mesher::PrismShell(self.shell.clone()).mesh(&mut body)?;
         body.validate()?;

@@ -1,6 +1,7 @@
 //! The scenes that come with the program, wherever it runs.
 
 use std::path::{Path, PathBuf};
+use supple::internal::write_whole;
 use supple::{Error, Result};
 
 macro_rules! files {
@@ -48,9 +49,7 @@ pub fn unpack_scenes(folder: &Path) -> Result<PathBuf> {
         }
         let parent = path.parent().unwrap_or(folder);
         std::fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
-        let part = path.with_extension(format!("{}.part", std::process::id()));
-        let written = std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, &path));
-        written.map_err(|e| Error::io(&path, e))?;
+        write_whole(&path, text)?;
     }
     Ok(folder.join("scenes"))
 }

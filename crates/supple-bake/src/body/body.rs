@@ -4,9 +4,11 @@ use crate::body::attachment::Attachment;
 use crate::body::parametric::ParametricModel;
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use supple::internal::math::Rows;
 use supple::model::{
-    JointList, PoseBlend, RenderMesh, Skeleton, SkinWeight, SpringBones, Surface, TetMesh, UpAxis,
+    Appearance, JointList, PoseBlend, RenderMesh, Skeleton, SkinWeight, SpringBones, Surface,
+    TetMesh, UpAxis,
 };
 use supple::{Error, Result};
 
@@ -105,6 +107,8 @@ pub struct Body {
     pub attachments: Vec<Attachment>,
     /// How the body's file draws it, seams and all; none where it is drawn as it is.
     pub render_meshes: Vec<RenderMesh>,
+    /// Materials and images of the body's file.
+    pub appearance: Arc<Appearance>,
 }
 
 impl Body {
@@ -143,6 +147,7 @@ impl Body {
             painted: BTreeMap::new(),
             attachments: Vec::new(),
             render_meshes: Vec::new(),
+            appearance: Default::default(),
         }
     }
 

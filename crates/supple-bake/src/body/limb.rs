@@ -208,6 +208,7 @@ pub fn one_bone_body(name: &str, mesh: TetMesh, pinned: &[u32], surface: &[u32])
         painted: Default::default(),
         attachments: Vec::new(),
         render_meshes: Vec::new(),
+        appearance: Default::default(),
     };
     body.validate()?;
     Ok(body)

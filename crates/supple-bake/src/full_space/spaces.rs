@@ -61,6 +61,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         attached: avatar.attached.clone(),
         pose_extension: Rows::default(),
         render_meshes: avatar.render_meshes.clone(),
+        appearance: avatar.appearance.clone(),
         material: avatar.material,
         tissue: layer.tissue.clone(),
         density: avatar.density,

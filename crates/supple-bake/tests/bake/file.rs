@@ -2,12 +2,14 @@
 
 use super::{TINY, baked, recipe};
 use std::path::Path;
+use std::sync::Arc;
 use supple::Error;
 use supple::file::{AvatarFile, Parts, Section, read_avatar, write_avatar};
 use supple::glam::{DAffine3, DVec3};
 use supple::internal::math::{Random, Rows};
 use supple::model::{
-    Avatar, Joint, JointBone, JointList, PoseOffsets, RenderMesh, SkinJoints, UpAxis,
+    Appearance, Avatar, Image, Joint, JointBone, JointList, PoseOffsets, RenderMesh, SkinJoints,
+    UpAxis,
 };
 use supple_bake::{
     BakeCost, BakeReport, HandleCandidates, bake, baked_file, from_bytes, full_space, read_baked,
@@ -214,6 +216,54 @@ fn materials_and_tangents_come_back_and_have_defaults() {
     avatar.render_meshes[0].tangents = vec![[1.0; 4]; 2];
     let error = to_bytes(&avatar, None).unwrap_err().to_string();
     assert!(error.contains("tangent"), "{error}");
+}
+
+/// So are what a file's vertices have besides, and its images; the latter are not for a step.
+#[test]
+fn attributes_and_images_come_back() {
+    let (mut avatar, _) = tiny();
+    let path = Path::new("limb.supple");
+    let part = RenderMesh {
+        vertices: vec![0, 1, 2],
+        triangles: vec![[0, 1, 2]],
+        ..RenderMesh::default()
+    };
+    avatar.render_meshes = vec![part.clone(), part];
+    let plain = to_bytes(&avatar, None).unwrap();
+    let has = |bytes: &[u8], tag: &[u8]| bytes.windows(4).any(|found| found == tag);
+    assert!(!has(&plain, b"vatt") && !has(&plain, b"look"));
+    let part = &mut avatar.render_meshes[1];
+    part.normals = vec![[0.0, 0.6, 0.8]; 3];
+    part.colours = vec![[0.1, 0.2, 0.3, 1.0]; 3];
+    part.further_coordinates = vec![vec![[0.5, 1.5]; 3], Vec::new()];
+    avatar.appearance = Arc::new(Appearance {
+        gltf: "{}".into(),
+        images: vec![
+            Image::default(),
+            Image {
+                name: "skin".into(),
+                mime_type: "image/png".into(),
+                bytes: (0..=255).collect(),
+            },
+        ],
+    });
+    let bytes = to_bytes(&avatar, None).unwrap();
+    assert_eq!(from_bytes(&bytes, path).unwrap().avatar, avatar);
+    let step = AvatarFile::new(avatar.clone())
+        .to_bytes(Parts::Step)
+        .unwrap();
+    assert!(has(&step, b"vatt") && !has(&step, b"look"));
+    // Of another number than there are vertices.
+    for spoil in [
+        |part: &mut RenderMesh| part.normals = vec![[1.0, 0.0, 0.0]; 2],
+        |part: &mut RenderMesh| part.colours = vec![[1.0; 4]; 4],
+        |part: &mut RenderMesh| part.further_coordinates[1] = vec![[f32::NAN, 0.0]; 3],
+    ] {
+        let mut spoilt = avatar.clone();
+        spoil(&mut spoilt.render_meshes[1]);
+        let error = to_bytes(&spoilt, None).unwrap_err().to_string();
+        assert!(error.contains("normal or colour"), "{error}");
+    }
 }
 
 #[test]

@@ -197,3 +197,52 @@ fn a_character_file_bakes_with_no_recipe_and_with_one() {
     std::fs::write(path.join("cut.npz"), "PK\x03\x04").unwrap();
     bad(path, &["bake", "cut.npz"], 1, &["cut.npz"]);
 }
+
+/// The images of a character's file are in what is simulated of its bake, and that file is not asked for again.
+#[test]
+fn textures_come_through_a_bake_and_a_simulation() {
+    let original = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/assets/khronos-CesiumMan.glb"
+    );
+    if !Path::new(original).exists() {
+        println!("skipped: {original} is not there");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::copy(original, path.join("man.glb")).unwrap();
+    good(path, &["bake", "man.glb", "--no-pictures"]);
+    std::fs::remove_file(path.join("man.glb")).unwrap();
+    let scene =
+        "name = \"still\"\nsteps = 2\n[avatar]\nfile = \"out/man.supple\"\n[output]\npanels = []\n";
+    std::fs::write(path.join("still.toml"), scene).unwrap();
+    good(
+        path,
+        &["simulate", "still.toml", "--backend", "cpu", "-o", "here"],
+    );
+    let pictures = |file: &Path| -> Vec<Vec<u8>> {
+        let gltf::Gltf { document, blob } = gltf::Gltf::open(file).unwrap();
+        let blob = blob.unwrap();
+        let bytes = |image: gltf::Image<'_>| match image.source() {
+            gltf::image::Source::View { view, .. } => {
+                blob[view.offset()..view.offset() + view.length()].to_vec()
+            }
+            gltf::image::Source::Uri { .. } => panic!("an image outside"),
+        };
+        document.images().map(bytes).collect()
+    };
+    let written = path.join("here/avatar.glb");
+    assert_eq!(pictures(&written), pictures(Path::new(original)));
+    let gltf::Gltf { document, .. } = gltf::Gltf::open(&written).unwrap();
+    let skin = document
+        .meshes()
+        .next()
+        .unwrap()
+        .primitives()
+        .next()
+        .unwrap();
+    let material = skin.material().pbr_metallic_roughness();
+    assert!(material.base_color_texture().is_some());
+    assert!(skin.get(&gltf::Semantic::TexCoords(0)).is_some());
+}

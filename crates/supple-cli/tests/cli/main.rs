@@ -3,6 +3,8 @@
 mod bake;
 mod errors;
 mod lists;
+#[cfg(unix)]
+mod output;
 mod pictures;
 mod play;
 mod simulate;

@@ -4,17 +4,17 @@ use crate::motion::MotionClip;
 use glam::{DVec3, EulerRot};
 use std::fmt::Write;
 use std::path::Path;
-use supple::{Error, Result};
+use supple::Result;
+use supple::internal::write_whole;
 
 /// Writes `clip` as BVH in centimetres, angles in `Zrotation Yrotation Xrotation`. Joints move where the clip
 /// says so; unknown rest joints are written as 0.
 ///
 /// # Errors
-/// [`Error::Invalid`] of the clip, [`Error::Io`].
+/// [`supple::Error::Invalid`] of the clip, [`supple::Error::Io`].
 pub fn write_bvh(clip: &MotionClip, path: impl AsRef<Path>) -> Result<()> {
     clip.validate()?;
-    let path = path.as_ref();
-    std::fs::write(path, bvh_text(clip)).map_err(|e| Error::io(path, e))
+    write_whole(path, bvh_text(clip))
 }
 
 /// What [`write_bvh`] writes.

@@ -1,7 +1,8 @@
 //! Numbers out of accessors, every bound checked first (glTF 2.0, §3.6.2).
 
+use super::compression::DracoMesh;
 use super::container::File;
-use super::document::{Accessor, SparseArray};
+use super::document::{Accessor, Primitive, SparseArray};
 use supple::Result;
 
 /// What is wrong with an accessor.
@@ -89,6 +90,37 @@ impl File {
             }
         };
         self.vectors::<1>(accessor)?.iter().map(index).collect()
+    }
+
+    /// What a primitive's Draco data become, or nothing where it has none that this build reads and it does without.
+    pub fn draco(&self, primitive: &Primitive) -> Result<Option<DracoMesh>, Problem> {
+        let Some(draco) = &primitive.extensions.draco else {
+            return Ok(None);
+        };
+        if !cfg!(feature = "draco") && !self.requires("KHR_draco_mesh_compression") {
+            return Ok(None);
+        }
+        let mesh = DracoMesh::new(self.view(draco.buffer_view)?, self.budget.get())?;
+        self.spend(mesh.points() as u64)?;
+        Ok(Some(mesh))
+    }
+
+    /// An attribute of a Draco mesh, as the accessor of that attribute says what its numbers are.
+    pub fn draco_vectors<const N: usize>(
+        &self,
+        mesh: &DracoMesh,
+        id: u32,
+        accessor: &Accessor,
+    ) -> Result<Vec<[f64; N]>, Problem> {
+        self.spend((mesh.points() as u64).saturating_mul(N as u64))?;
+        let mut numbers = mesh.attribute(id, N)?;
+        if accessor.normalized {
+            let component = Component::new(accessor.component_type)?;
+            for v in &mut numbers {
+                *v = component.normalised(*v)?;
+            }
+        }
+        Ok(numbers.as_chunks().0.to_vec())
     }
 
     fn numbers(&self, accessor: &Accessor, width: usize) -> Result<Vec<f64>, Problem> {
@@ -183,23 +215,6 @@ impl File {
             out.extend(components.map(|bytes| component.decode(bytes)));
         }
         Ok(out)
-    }
-
-    /// The bytes of a view.
-    fn view(&self, view: usize) -> Result<&[u8], Problem> {
-        let field = || format!("bufferViews[{view}]");
-        let found = self.document.buffer_views.get(view);
-        let found = found.ok_or_else(|| format!("{} is not there", field()))?;
-        let buffer = self.buffers.get(found.buffer);
-        let buffer = buffer.ok_or_else(|| format!("{}: its buffer is not there", field()))?;
-        let start = found.byte_offset;
-        let end = start.checked_add(found.byte_length);
-        end.filter(|end| *end <= buffer.len() as u64)
-            .map(|end| &buffer[start as usize..end as usize])
-            .ok_or_else(|| {
-                let length = buffer.len();
-                format!("{} leaves its buffer of {length} bytes", field())
-            })
     }
 
     /// Counts numbers that are about to be read.

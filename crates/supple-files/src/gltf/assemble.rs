@@ -1,6 +1,7 @@
 //! From the parts that a scene shows to one welded body.
 
 use super::animation::motions;
+use super::appearance::appearance;
 use super::character::{Character, Shape, Whole};
 use super::container::File;
 use super::motion_bones::MotionBones;
@@ -16,6 +17,7 @@ use crate::motion::MotionClip;
 use crate::weld::{CUT_WEIGHTS, DRAWN_WEIGHTS, Vertices};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::sync::Arc;
 use supple::Result;
 use supple::model::{JointList, PoseBlend, RenderMesh, SkinWeight, SpringBones, Surface, UpAxis};
 use supple_bake::{Body, LayerMesh};
@@ -82,6 +84,10 @@ impl<'a> Scene<'a> {
         notes.extend(about);
         whole.body.springs = springs;
         whole.body.skeleton.aliases = vrm.humanoid;
+        let used = self.parts.iter().filter_map(|part| part.material_index);
+        let (appearance, lost) = appearance(self.file, used);
+        whole.body.appearance = Arc::new(appearance);
+        notes.extend(lost);
         Ok(Character {
             whole,
             rest: rig.rest,
@@ -153,6 +159,7 @@ impl Soup {
     fn add(&mut self, part: &Part, placed: ReferencePart) {
         let first = self.positions.len();
         let tangents = placed.tangents(&part.tangents);
+        let normals = placed.normals(&part.normals);
         let flip = |[a, b, c]: [u32; 3]| {
             if placed.mirrored {
                 [a, c, b]
@@ -193,6 +200,9 @@ impl Soup {
             material: part.material.clone(),
             vertices: (first as u32..self.positions.len() as u32).collect(),
             texture_coordinates: part.texture_coordinates.clone(),
+            further_coordinates: part.further_coordinates.clone(),
+            colours: part.colours.clone(),
+            normals,
             material_index: part.material_index,
             tangents,
             triangles: part.triangles.iter().copied().map(flip).collect(),
@@ -296,6 +306,7 @@ impl Soup {
             painted: self.painted,
             attachments: Vec::new(),
             render_meshes: self.render_meshes,
+            appearance: Arc::default(),
         };
         let copies = (copies.into_iter())
             .map(|v| (number[cuts[v] as usize], self.skinning[v].clone()))

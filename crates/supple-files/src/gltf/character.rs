@@ -1,7 +1,7 @@
 //! A character as its file tells it: a body, its shapes, and what else is there.
 
 use crate::tissue::{PartNames, separate_tissue};
-use glam::DVec3;
+use glam::{DQuat, DVec3, Vec3};
 use supple::model::{Frame, PoseBlend, SkinWeight, Surface};
 use supple::{Error, Result};
 use supple_bake::{Attachment, Body};
@@ -25,6 +25,42 @@ pub(super) struct Whole {
     /// Vertices that are drawn with weights of their own where a skin vertex is.
     pub copies: Vec<(u32, Vec<SkinWeight>)>,
     pub shapes: Vec<Shape>,
+}
+
+impl Whole {
+    /// Turns the file's normals and tangents as the skin below them turns from this body to `shaped`.
+    fn turn_shading(&self, shaped: &mut Body) {
+        let [before, after] = [&self.body, &*shaped].map(|body| body.skin.vertex_normals());
+        let turns: Vec<DQuat> = before.into_iter().zip(after).map(turn).collect();
+        for part in &mut shaped.render_meshes {
+            for (i, &v) in part.vertices.iter().enumerate() {
+                let skin = match (v as usize).checked_sub(turns.len()) {
+                    None => Some(v),
+                    Some(copy) => self.copies.get(copy).map(|c| c.0),
+                };
+                let Some(turn) = skin.and_then(|v| turns.get(v as usize)) else {
+                    continue;
+                };
+                let turned = |[x, y, z]: [f32; 3]| {
+                    (*turn * Vec3::new(x, y, z).as_dvec3()).as_vec3().to_array()
+                };
+                if let Some(normal) = part.normals.get_mut(i) {
+                    *normal = turned(*normal);
+                }
+                if let Some([x, y, z, _]) = part.tangents.get_mut(i) {
+                    [*x, *y, *z] = turned([*x, *y, *z]);
+                }
+            }
+        }
+    }
+}
+
+/// The smallest rotation from one unit vector to another; none where either is 0.
+fn turn((from, to): (DVec3, DVec3)) -> DQuat {
+    match from.is_normalized() && to.is_normalized() {
+        true => DQuat::from_rotation_arc(from, to),
+        false => DQuat::IDENTITY,
+    }
 }
 
 /// What a character file holds. Made by [`super::read_gltf()`].
@@ -69,7 +105,7 @@ impl Character {
             return Err(Error::invalid("shape", problem));
         }
         let mut body = body.clone();
-        let positions = &mut body.skin.positions;
+        let mut positions = std::mem::take(&mut body.skin.positions);
         for (k, shape) in shapes.iter().enumerate() {
             let amount = amounts.get(k).copied().unwrap_or(shape.default);
             for &(v, d) in &shape.moves {
@@ -79,6 +115,12 @@ impl Character {
         if !positions.iter().all(|p| p.is_finite()) {
             return Err(Error::invalid("shape", "takes a vertex out of all bounds"));
         }
+        let shaped = positions != self.whole.body.skin.positions;
+        body.skin.positions = positions;
+        if shaped {
+            self.whole.turn_shading(&mut body);
+        }
+        let positions = &body.skin.positions;
         if !copies.is_empty() {
             body.attachments.push(Attachment {
                 name: "copies along cuts".into(),

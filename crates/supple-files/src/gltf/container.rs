@@ -1,7 +1,9 @@
 //! A file's JSON and its buffers: GLB, embedded, or in files beside it (glTF 2.0, chapter 4 and §3.6.1).
 
-use super::document::{Buffer, Document};
+use super::compression::decompress;
+use super::document::{Buffer, Document, Fallback};
 use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use supple::{Error, Result};
@@ -19,7 +21,10 @@ const MOST_NUMBERS_PER_BYTE: u64 = 1 << 10;
 
 /// Extensions that a file may require: they are read, or change nothing of what is (materials, textures, lights, metadata).
 /// A trailing `*` stands for any ending. What changes geometry and is not read is none of them.
-const READABLE: [&str; 9] = [
+const READABLE: [&str; 12] = [
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
     "KHR_materials_*",
@@ -37,7 +42,10 @@ pub(super) struct File {
     /// Names the file in errors; external buffers lie relative to it.
     pub path: PathBuf,
     pub document: Document,
+    /// A buffer that only who cannot decompress needs is empty.
     pub buffers: Vec<Vec<u8>>,
+    /// The bytes of the views that are compressed, or what is wrong with them.
+    decompressed: BTreeMap<usize, Result<Vec<u8>, String>>,
     /// How many more numbers may be read.
     pub budget: Cell<u64>,
 }
@@ -59,8 +67,17 @@ impl File {
         let document: Document = serde_json::from_slice(json)
             .map_err(|e| Error::format(path, "JSON", format!("is no glTF 2.0: {e}")))?;
         check_versions(&document).map_err(|(field, text)| Error::format(path, field, text))?;
+        let views = document.buffer_views.iter();
+        let compressed_views: BTreeSet<usize> = (views.filter(|view| view.meshopt().is_some()))
+            .map(|view| view.buffer)
+            .collect();
         let mut buffers = Vec::new();
         for (i, buffer) in document.buffers.iter().enumerate() {
+            let compressed = compressed_views.contains(&i);
+            if is_fallback(buffer, compressed) && !(i == 0 && binary.is_some()) {
+                buffers.push(Vec::new());
+                continue;
+            }
             let bytes = match &buffer.uri {
                 // Only the first buffer may be the GLB's own.
                 None if i == 0 => match binary.take() {
@@ -68,25 +85,66 @@ impl File {
                     None => Err("has no uri, and the file has no binary chunk".into()),
                 },
                 None => Err("has no uri".into()),
-                Some(uri) => load(uri, path).and_then(|bytes| cut(bytes, buffer)),
+                Some(uri) => load(uri, path, MOST_BYTES).and_then(|bytes| cut(bytes, buffer)),
             };
             let field = || format!("buffers[{i}]");
             buffers.push(bytes.map_err(|problem| Error::format(path, field(), problem))?);
         }
         let size = json.len() + buffers.iter().map(Vec::len).sum::<usize>();
+        let decompressed = decompress(&document, &buffers, size, MOST_BYTES);
         let budget = MOST_NUMBERS_PER_BYTE.saturating_mul(size as u64);
         Ok(Self {
             path: path.into(),
             document,
             buffers,
+            decompressed,
             budget: Cell::new(budget.min(MOST_NUMBERS)),
         })
+    }
+
+    /// The bytes of a view, decompressed.
+    pub fn view(&self, view: usize) -> Result<&[u8], String> {
+        let field = || format!("bufferViews[{view}]");
+        let found = self.document.buffer_views.get(view);
+        let found = found.ok_or_else(|| format!("{} is not there", field()))?;
+        if let Some(decompressed) = self.decompressed.get(&view) {
+            let bytes = decompressed.as_ref();
+            return bytes
+                .map(Vec::as_slice)
+                .map_err(|problem| format!("{}: {problem}", field()));
+        }
+        let buffer = self.buffers.get(found.buffer);
+        let buffer = buffer.ok_or_else(|| format!("{}: its buffer is not there", field()))?;
+        let start = found.byte_offset;
+        let end = start.checked_add(found.byte_length);
+        end.filter(|end| *end <= buffer.len() as u64)
+            .map(|end| &buffer[start as usize..end as usize])
+            .ok_or_else(|| {
+                let length = buffer.len();
+                format!("{} leaves its buffer of {length} bytes", field())
+            })
+    }
+
+    /// Whether the file cannot be read without an extension.
+    pub fn requires(&self, extension: &str) -> bool {
+        let required = &self.document.extensions_required;
+        required.iter().any(|required| required == extension)
     }
 
     /// An [`Error::Format`] of this file.
     pub fn broken(&self, field: impl Into<String>, problem: impl Into<String>) -> Error {
         Error::format(&self.path, field, problem)
     }
+}
+
+/// Whether only who cannot decompress needs a buffer: it says so, or what it would hold is compressed elsewhere.
+fn is_fallback(buffer: &Buffer, holds_compressed_views: bool) -> bool {
+    let marks = [
+        &buffer.extensions.meshopt_ext,
+        &buffer.extensions.meshopt_khr,
+    ];
+    let marked = |mark: &&Option<Fallback>| mark.as_ref().is_some_and(|mark| mark.fallback);
+    marks.iter().any(marked) || buffer.uri.is_none() && holds_compressed_views
 }
 
 /// The JSON chunk and the binary one of a GLB file (§4.4); chunks of other types are skipped.
@@ -153,8 +211,8 @@ fn is_readable(extension: &str) -> bool {
     })
 }
 
-/// The bytes behind a URI.
-fn load(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
+/// The bytes behind a URI, where they are at most so many.
+pub(super) fn load(uri: &str, path: &Path, most: u64) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (kind, data) = data
             .split_once(',')
@@ -168,11 +226,11 @@ fn load(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     let relative = Path::new(&name);
     let inside = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
     if name.contains("://") || !relative.components().all(inside) {
-        let cure = "buffers are read from the file's own folder and those in it: put it there";
+        let cure = "files are read only from the folder of the one that names them and those in it: put it there";
         return Err(format!("{name}: {cure}"));
     }
     let at = path.parent().unwrap_or(Path::new("")).join(relative);
-    read_at_most(&at, MOST_BYTES).map_err(|e| e.to_string())
+    read_at_most(&at, most).map_err(|e| e.to_string())
 }
 
 /// A buffer's stated length of the bytes that were found.

@@ -21,7 +21,13 @@ pub(super) struct Document {
     #[serde(default)]
     pub meshes: Vec<Mesh>,
     #[serde(default)]
-    pub materials: Vec<Named>,
+    pub materials: Vec<Value>,
+    #[serde(default)]
+    pub textures: Vec<Value>,
+    #[serde(default)]
+    pub samplers: Vec<Value>,
+    #[serde(default)]
+    pub images: Vec<Image>,
     #[serde(default)]
     pub skins: Vec<Skin>,
     #[serde(default)]
@@ -118,12 +124,32 @@ pub(super) struct Primitive {
     #[serde(default)]
     pub targets: Vec<BTreeMap<String, usize>>,
     pub extras: Option<Value>,
+    #[serde(default)]
+    pub extensions: PrimitiveExtensions,
 }
 
-/// Of an object, only its name.
+/// The extensions of a primitive that are read.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub draco: Option<DracoPrimitive>,
+}
+
+/// A view with triangles and attributes, which have ids in it.
 #[derive(Debug, Deserialize)]
-pub(super) struct Named {
+#[serde(rename_all = "camelCase")]
+pub(super) struct DracoPrimitive {
+    pub buffer_view: usize,
+    pub attributes: BTreeMap<String, u32>,
+}
+
+/// A picture in a view, in a data URI or in another file.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Image {
     pub name: Option<String>,
+    pub uri: Option<String>,
+    pub buffer_view: Option<usize>,
 }
 
 /// Joints and their inverse bind matrices.
@@ -178,6 +204,39 @@ pub(super) struct BufferView {
     pub byte_offset: u64,
     pub byte_length: u64,
     pub byte_stride: Option<u64>,
+    #[serde(default)]
+    pub extensions: ViewExtensions,
+}
+
+impl BufferView {
+    /// How it is compressed, if it is.
+    pub fn meshopt(&self) -> Option<&MeshoptView> {
+        let extensions = &self.extensions;
+        (extensions.meshopt_ext.as_ref()).or(extensions.meshopt_khr.as_ref())
+    }
+}
+
+/// The extensions of a view that are read.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub meshopt_ext: Option<MeshoptView>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    pub meshopt_khr: Option<MeshoptView>,
+}
+
+/// Where the compressed bytes of a view are, and what they become: `count` elements of `byte_stride` bytes.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct MeshoptView {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    pub byte_stride: u64,
+    pub count: u64,
+    pub mode: String,
+    pub filter: Option<String>,
 }
 
 /// Bytes in the file, in a data URI or in another file.
@@ -186,6 +245,24 @@ pub(super) struct BufferView {
 pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: u64,
+    #[serde(default)]
+    pub extensions: BufferExtensions,
+}
+
+/// The extensions of a buffer that are read.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct BufferExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub meshopt_ext: Option<Fallback>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    pub meshopt_khr: Option<Fallback>,
+}
+
+/// Whether a buffer is only for who cannot decompress.
+#[derive(Debug, Deserialize)]
+pub(super) struct Fallback {
+    #[serde(default)]
+    pub fallback: bool,
 }
 
 /// Channels that move nodes.

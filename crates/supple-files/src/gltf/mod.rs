@@ -5,11 +5,13 @@
 
 mod accessor;
 mod animation;
+mod appearance;
 mod assemble;
 mod binding;
 mod bone_nodes;
 mod bone_tree;
 mod character;
+mod compression;
 mod container;
 mod document;
 mod joints;

@@ -1,5 +1,7 @@
 //! Vertices and triangles of the meshes that a scene shows (glTF 2.0, §3.7).
 
+use super::appearance::highest_coordinates;
+use super::compression::DracoMesh;
 use super::container::File;
 use super::document::{Mesh, Node, Primitive};
 use super::nodes::Nodes;
@@ -27,8 +29,14 @@ pub(super) struct Part {
     /// Joints of the skin and weights that sum to 1; empty rows without a skin.
     pub influences: Rows<(u32, f64)>,
     pub texture_coordinates: Vec<[f32; 2]>,
+    /// Those that the material names besides.
+    pub further_coordinates: Vec<Vec<[f32; 2]>>,
+    /// Unit vectors, or none at all.
+    pub normals: Vec<[f64; 3]>,
     /// Unit vectors and signs, or none at all.
     pub tangents: Vec<[f64; 4]>,
+    /// Red, green, blue and opacity, or none at all.
+    pub colours: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
     pub morphs: Vec<Morph>,
     /// Application-specific scalars of the vertices (`_NAME`), by lower-case name.
@@ -60,10 +68,14 @@ pub(super) fn read_parts(file: &File, nodes: &Nodes) -> Result<(Vec<Part>, usize
         let missing = || file.broken(format!("nodes[{n}].mesh"), format!("mesh {m} is not there"));
         let mesh = mesh.ok_or_else(missing)?;
         for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let field = format!("meshes[{m}].primitives[{p}]");
+            let draco = file.draco(primitive);
+            let draco = draco.map_err(|problem| file.broken(&field, problem))?;
             let reader = Reader {
                 file,
-                field: format!("meshes[{m}].primitives[{p}]"),
+                field,
                 primitive,
+                draco,
             };
             match reader.part(n, node, mesh)? {
                 Some(part) => parts.push(part),
@@ -78,6 +90,8 @@ struct Reader<'a> {
     file: &'a File,
     field: String,
     primitive: &'a Primitive,
+    /// What its Draco data are, if it has some.
+    draco: Option<DracoMesh>,
 }
 
 impl Reader<'_> {
@@ -94,12 +108,21 @@ impl Reader<'_> {
         let Some(&position) = self.primitive.attributes.get("POSITION") else {
             return Err(self.broken("has no POSITION"));
         };
-        let positions = self.file.vectors::<3>(position)?;
-        let count = positions.len();
-        let indices = match self.primitive.indices {
-            Some(accessor) => self.file.indices(accessor, count)?,
-            None => (0..count as u32).collect(),
+        let (positions, indices) = match &self.draco {
+            Some(mesh) => {
+                let positions = self.attribute::<3>(("POSITION", position), mesh.points())?;
+                (positions, mesh.indices().map_err(|p| self.broken(p))?)
+            }
+            None => {
+                let positions = self.file.vectors::<3>(position)?;
+                let indices = match self.primitive.indices {
+                    Some(accessor) => self.file.indices(accessor, positions.len())?,
+                    None => (0..positions.len() as u32).collect(),
+                };
+                (positions, indices)
+            }
         };
+        let count = positions.len();
         let Some(triangles) = assemble(&indices, mode) else {
             return Ok(None);
         };
@@ -111,21 +134,28 @@ impl Reader<'_> {
             Some(skin) => self.influences(skin, count, &used)?,
             None => (used.vertices.iter().map(|_| None).collect(), 0),
         };
-        let names = self.file.document.materials.as_slice();
-        let material = self.primitive.material.and_then(|m| names.get(m));
+        let materials = self.file.document.materials.as_slice();
+        let material = self.primitive.material.and_then(|m| materials.get(m));
         Ok(Some(Part {
             name: (mesh.name.as_ref().or(node.name.as_ref()))
                 .map_or_else(|| format!("mesh_{n}"), Clone::clone),
             material_index: (self.primitive.material)
                 .filter(|_| material.is_some())
                 .map(|m| m as u32),
-            material: material.and_then(|m| m.name.clone()).unwrap_or_default(),
+            material: (material.and_then(|m| m.get("name")?.as_str()))
+                .unwrap_or_default()
+                .into(),
             node: n,
             skin: node.skin,
             positions: used.pick(&positions).map(DVec3::from_array).collect(),
             influences,
-            texture_coordinates: self.texture_coordinates(count, &used)?,
-            tangents: self.tangents(count, &used)?,
+            texture_coordinates: self.texture_coordinates(0, count, &used)?,
+            further_coordinates: (1..=material.map_or(0, highest_coordinates))
+                .map(|set| self.texture_coordinates(set, count, &used))
+                .collect::<Result<_>>()?,
+            normals: self.vectors("NORMAL", count, &used)?,
+            tangents: self.vectors("TANGENT", count, &used)?,
+            colours: self.colours(count, &used)?,
             triangles: used.renumber(&triangles),
             morphs: self.morphs(node, mesh, count, &used)?,
             painted: self.painted(count, &used)?,
@@ -140,6 +170,12 @@ impl Reader<'_> {
         count: usize,
     ) -> Result<Vec<[f64; N]>> {
         let found = self.file.document.accessors.get(accessor);
+        let compressed = self.primitive.extensions.draco.as_ref();
+        let compressed = compressed.and_then(|d| d.attributes.get(name));
+        if let (Some(mesh), Some(&id), Some(found)) = (&self.draco, compressed, found) {
+            let vectors = self.file.draco_vectors(mesh, id, found);
+            return vectors.map_err(|problem| self.broken(format!("{name}: {problem}")));
+        }
         // Before anything is read: a sparse accessor's count costs nothing in the file.
         if let Some(found) = found.filter(|a| a.count != count as u64) {
             let problem = format!("{name} has {} elements for {count} vertices", found.count);
@@ -148,22 +184,39 @@ impl Reader<'_> {
         self.file.vectors(accessor)
     }
 
-    fn texture_coordinates(&self, count: usize, used: &Used) -> Result<Vec<[f32; 2]>> {
-        const NAME: &str = "TEXCOORD_0";
-        let Some(&accessor) = self.primitive.attributes.get(NAME) else {
+    /// An attribute of the used vertices; nothing where the primitive has none of that name.
+    fn vectors<const N: usize>(
+        &self,
+        name: &str,
+        count: usize,
+        used: &Used,
+    ) -> Result<Vec<[f64; N]>> {
+        let Some(&accessor) = self.primitive.attributes.get(name) else {
             return Ok(Vec::new());
         };
-        let all = self.attribute::<2>((NAME, accessor), count)?;
-        Ok(used.pick(&all).map(|uv| uv.map(|c| c as f32)).collect())
+        let all = self.attribute::<N>((name, accessor), count)?;
+        Ok(used.pick(&all).collect())
     }
 
-    fn tangents(&self, count: usize, used: &Used) -> Result<Vec<[f64; 4]>> {
-        const NAME: &str = "TANGENT";
-        let Some(&accessor) = self.primitive.attributes.get(NAME) else {
-            return Ok(Vec::new());
+    fn texture_coordinates(&self, set: usize, count: usize, used: &Used) -> Result<Vec<[f32; 2]>> {
+        let all = self.vectors::<2>(&format!("TEXCOORD_{set}"), count, used)?;
+        Ok(all.into_iter().map(|uv| uv.map(|c| c as f32)).collect())
+    }
+
+    /// The first set of vertex colours; opaque where it says no opacity.
+    fn colours(&self, count: usize, used: &Used) -> Result<Vec<[f32; 4]>> {
+        const NAME: &str = "COLOR_0";
+        let accessor = self.primitive.attributes.get(NAME);
+        let accessor = accessor.and_then(|&a| self.file.document.accessors.get(a));
+        let all: Vec<[f64; 4]> = match accessor.map(|a| a.kind.as_str()) {
+            Some("VEC4") => self.vectors(NAME, count, used)?,
+            Some("VEC3") => (self.vectors::<3>(NAME, count, used)?.into_iter())
+                .map(|[r, g, b]| [r, g, b, 1.0])
+                .collect(),
+            _ => Vec::new(),
         };
-        let all = self.attribute::<4>((NAME, accessor), count)?;
-        Ok(used.pick(&all).collect())
+        let colour = |c: [f64; 4]| c.map(|c| c.clamp(0.0, 1.0) as f32);
+        Ok(all.into_iter().map(colour).collect())
     }
 
     /// Scalars of attributes whose names begin with an underscore, and the channels of vertex colours: `_SOFT` is the

@@ -77,6 +77,21 @@ impl Rig {
 }
 
 impl ReferencePart {
+    /// Normals of the vertices in the reference shape, of those that the file has in the mesh's own coordinates: the
+    /// planes go with the part, n ∝ A⁻ᵀ n.
+    pub fn normals(&self, of_mesh: &[[f64; 3]]) -> Vec<[f32; 3]> {
+        let normal = |(n, linear): (&[f64; 3], &DMat3)| {
+            let n = cofactor(linear) * DVec3::from_array(*n);
+            let sign = if linear.determinant() < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            (sign * n.normalize_or_zero()).as_vec3().to_array()
+        };
+        of_mesh.iter().zip(&self.linear).map(normal).collect()
+    }
+
     /// Tangents of the vertices in the reference shape, of those that the file has in the mesh's own coordinates.
     pub fn tangents(&self, of_mesh: &[[f64; 4]]) -> Vec<[f32; 4]> {
         let tangent = |(&[x, y, z, sign], linear): (&[f64; 4], &DMat3)| {
@@ -89,6 +104,12 @@ impl ReferencePart {
         };
         of_mesh.iter().zip(&self.linear).map(tangent).collect()
     }
+}
+
+/// det(A) A⁻ᵀ, also where A is singular: its columns are cross products of those of A.
+fn cofactor(a: &DMat3) -> DMat3 {
+    let [x, y, z] = [a.x_axis, a.y_axis, a.z_axis];
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
 }
 
 #[cfg(test)]

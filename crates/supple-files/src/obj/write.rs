@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use supple::Result;
+use supple::internal::write_whole;
 use supple::model::Surface;
-use supple::{Error, Result};
 
 /// Writes named surfaces to `path`, one object each, with every digit of their positions.
 pub fn write_obj<'a>(
@@ -23,6 +24,5 @@ pub fn write_obj<'a>(
         }
         first += surface.positions.len() as u32;
     }
-    let path = path.as_ref();
-    std::fs::write(path, text).map_err(|e| Error::io(path, e))
+    write_whole(path, text)
 }

@@ -2,13 +2,13 @@
 
 use crate::npy::encode_f64;
 use std::path::Path;
-use supple::{Error, Result};
+use supple::Result;
+use supple::internal::write_whole;
 
 /// Writes a number for each skin vertex to a `.npy` file.
 ///
 /// # Errors
-/// [`Error::Io`].
+/// [`supple::Error::Io`].
 pub fn write_painted(map: &[f64], path: impl AsRef<Path>) -> Result<()> {
-    let path = path.as_ref();
-    std::fs::write(path, encode_f64(&[map.len()], map)).map_err(|e| Error::io(path, e))
+    write_whole(path, encode_f64(&[map.len()], map))
 }

@@ -4,6 +4,7 @@ use crate::npy::{encode_f64, encode_texts, encode_u32};
 use glam::DVec3;
 use std::io::{Cursor, Write};
 use std::path::Path;
+use supple::internal::write_whole;
 use supple::{Error, Result};
 use supple_bake::{Joints, ParametricModel};
 use zip::write::SimpleFileOptions;
@@ -13,7 +14,7 @@ pub fn write_smpl(model: &ParametricModel, path: impl AsRef<Path>) -> Result<()>
     let path = path.as_ref();
     let failed = |e| Error::format(path, "archive", format!("could not be packed: {e}"));
     let bytes = pack(&arrays(model)).map_err(failed)?;
-    std::fs::write(path, bytes).map_err(|e| Error::io(path, e))
+    write_whole(path, bytes)
 }
 
 /// An archive of these arrays, by name.

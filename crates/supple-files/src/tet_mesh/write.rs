@@ -3,7 +3,8 @@
 use crate::tet_mesh::plain::TetMeshFile;
 use std::fmt::Write;
 use std::path::Path;
-use supple::{Error, Result};
+use supple::Result;
+use supple::internal::write_whole;
 
 /// Writes the mesh with its pinned and surface nodes to `path`, with every digit.
 pub fn write_tet_mesh(file: &TetMeshFile, path: impl AsRef<Path>) -> Result<()> {
@@ -30,8 +31,7 @@ pub fn write_tet_mesh(file: &TetMeshFile, path: impl AsRef<Path>) -> Result<()> 
     for list in [pinned, surface] {
         let _ = writeln!(text, "{}", joined(list));
     }
-    let path = path.as_ref();
-    std::fs::write(path, text).map_err(|e| Error::io(path, e))
+    write_whole(path, text)
 }
 
 fn joined(values: &[impl ToString]) -> String {

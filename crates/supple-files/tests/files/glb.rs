@@ -7,7 +7,10 @@ use supple::internal::features::pose_feature;
 use supple::internal::math::Rows;
 use supple::internal::{random_avatar, random_state};
 use supple::model::{Avatar, Frame, SkinWeight, State, UpAxis};
-use supple_files::{GlbReport, Prop, Recording, solid_surface, write_glb};
+use supple_files::{
+    GlbOptions, GlbReport, MORPH_TOLERANCE, MOST_MORPHS, Prop, Recording, solid_surface, write_glb,
+    write_glb_with,
+};
 
 /// States that blend smoothly between a few random ones, as a motion does.
 fn recording(avatar: &Avatar, states: usize) -> Recording {
@@ -209,25 +212,48 @@ const ROUNDING: f64 = 1e-6;
 
 #[test]
 fn handles_become_morphs_where_they_fit() {
-    let mut avatar = random_avatar(7, 5, 40, 20, 300);
+    let mut avatar = random_avatar(7, 5, 20, 20, 300);
     avatar.skin.pose_blend = Default::default();
     let report = check(&avatar, 9, ROUNDING);
     assert!(report.per_handle);
-    assert_eq!(report.morphs, 120);
+    assert_eq!(report.morphs, 60);
     assert_eq!(report.largest_morph_error, 0.0);
+}
+
+/// Ninety displacements that have nothing in common need as many morphs; of fewer it is said what they miss.
+#[test]
+fn morphs_are_as_many_as_is_asked() {
+    let mut avatar = random_avatar(7, 2, 40, 20, 300);
+    avatar.skin.pose_blend = Default::default();
+    let states: Vec<State> = (0..90)
+        .map(|k| random_state(k, &avatar, 0.1, 0.004))
+        .collect();
+    let recording = Recording {
+        times: (0..states.len()).map(|k| k as f64).collect(),
+        states,
+        ..Recording::default()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("avatar.glb");
+    let few = write_glb(&avatar, &recording, &path).unwrap();
+    assert_eq!((few.morphs, MOST_MORPHS), (64, 64));
+    assert!(few.largest_morph_error > MORPH_TOLERANCE && !few.per_handle);
+    let all = GlbOptions { most_morphs: 120 };
+    let all = write_glb_with(&avatar, &recording, all, &path).unwrap();
+    assert!(all.per_handle && all.morphs == 120 && all.largest_morph_error == 0.0);
+    let none = GlbOptions { most_morphs: 0 };
+    let none = write_glb_with(&avatar, &recording, none, &path).unwrap();
+    assert!(none.morphs == 0 && none.largest_morph_error > few.largest_morph_error);
 }
 
 #[test]
 fn more_handles_and_blend_shapes_become_a_low_rank_basis() {
     let avatar = random_avatar(8, 6, 100, 20, 400);
-    let report = check(&avatar, 41, supple_files::MORPH_TOLERANCE + ROUNDING);
+    let report = check(&avatar, 41, MORPH_TOLERANCE + ROUNDING);
     assert!(!report.per_handle);
     assert!(report.morphs <= 41 && report.morphs >= 2, "{report:?}");
     assert!(report.largest_morph_error > 0.0, "{report:?}");
-    assert!(
-        report.largest_morph_error <= supple_files::MORPH_TOLERANCE,
-        "{report:?}"
-    );
+    assert!(report.largest_morph_error <= MORPH_TOLERANCE, "{report:?}");
 }
 
 #[test]
@@ -238,7 +264,7 @@ fn any_number_of_influences_is_kept() {
         weight: f64::from(bone + 1) / 28.0,
     };
     avatar.skin.skinning = Rows::from_iter((0..avatar.skin.len()).map(|_| (0..7).map(weight)));
-    let report = check(&avatar, 3, supple_files::MORPH_TOLERANCE + ROUNDING);
+    let report = check(&avatar, 3, MORPH_TOLERANCE + ROUNDING);
     assert_eq!(report.influences, 7);
 }
 

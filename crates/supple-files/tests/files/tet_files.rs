@@ -198,6 +198,7 @@ fn body(size: f64) -> Body {
         painted: BTreeMap::new(),
         attachments: Vec::new(),
         render_meshes: Vec::new(),
+        appearance: Default::default(),
     }
 }
 

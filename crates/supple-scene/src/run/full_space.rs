@@ -9,6 +9,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use supple::internal::write_whole;
 use supple::model::Avatar;
 use supple::potential::{CpuPotential, Potential};
 use supple::sim::Simulation;
@@ -101,12 +102,10 @@ fn write(run: &SceneRun, path: &Path) -> Result<()> {
         .map_err(|e| Error::invalid("run", format!("cannot be written: {e}")))?;
     let mut bytes = crc32fast::hash(&payload).to_le_bytes().to_vec();
     bytes.extend(payload);
-    let part = path.with_extension(format!("{}.part", std::process::id()));
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
     }
-    let written = fs::write(&part, bytes).and_then(|()| fs::rename(&part, path));
-    written.map_err(|e| Error::io(path, e))
+    write_whole(path, bytes)
 }
 
 /// The run in the file at `path`; none where there is no whole one.

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use supple::{Error, Result};
 
 const UNSIGNED_BYTE: u32 = 5121;
 const UNSIGNED_SHORT: u32 = 5123;
@@ -20,7 +21,7 @@ pub(super) struct Buffer {
 
 impl Buffer {
     /// A view of new bytes, at a multiple of four.
-    fn view(&mut self, bytes: impl IntoIterator<Item = u8>) -> usize {
+    pub fn view(&mut self, bytes: impl IntoIterator<Item = u8>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let offset = self.bytes.len();
         self.bytes.extend(bytes);
@@ -130,11 +131,20 @@ fn bounds<const N: usize>(values: impl Iterator<Item = [f32; N]>) -> ([f32; N], 
 }
 
 /// A GLB file of a document and its buffer (glTF 2.0, §4.4).
-pub(super) fn container(document: &Value, buffer: &[u8]) -> Vec<u8> {
+///
+/// # Errors
+/// [`Error::Invalid`] where that is longer than a GLB file can say.
+pub(super) fn container(document: &Value, buffer: &[u8]) -> Result<Vec<u8>> {
     let mut json = document.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let padded = buffer.len().next_multiple_of(4);
     let total = 12 + 8 + json.len() + 8 + padded;
+    if u32::try_from(total).is_err() {
+        let problem = format!(
+            "{total} bytes are too many for a GLB file: record fewer states, or take fewer morphs"
+        );
+        return Err(Error::invalid("recording", problem));
+    }
     let mut out = Vec::with_capacity(total);
     out.extend(b"glTF");
     out.extend(2u32.to_le_bytes());
@@ -146,5 +156,5 @@ pub(super) fn container(document: &Value, buffer: &[u8]) -> Vec<u8> {
     out.extend(b"BIN\0");
     out.extend(buffer);
     out.resize(total, 0);
-    out
+    Ok(out)
 }

@@ -1,14 +1,16 @@
 //! The glTF document: nodes, materials, animation.
 
 use super::buffer::{Buffer, container};
-use super::morph::Morphs;
+use super::materials::Materials;
+use super::morph::{MOST_MORPHS, Morphs};
 use super::{Prop, Recording};
 use crate::{BODY_COLOUR, from_srgb, solid_surface};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::path::Path;
+use supple::Result;
+use supple::internal::write_whole;
 use supple::model::{Avatar, Frame, JointBone, RigidBody, Surface, UpAxis};
-use supple::{Error, Result};
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,17 +25,51 @@ pub struct GlbReport {
     pub largest_morph_error: f64,
     /// Most bones of a vertex; viewers that read four drop the rest.
     pub influences: usize,
+    /// Images of the character's file that are in it.
+    pub images: usize,
 }
 
-/// Writes `recording` as a GLB file with a skin, morph targets and one animation.
+/// How a GLB file is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GlbOptions {
+    /// Most morph targets. Each costs a viewer memory and time, and some take no more than 64.
+    pub most_morphs: usize,
+}
+
+impl Default for GlbOptions {
+    fn default() -> Self {
+        Self {
+            most_morphs: MOST_MORPHS,
+        }
+    }
+}
+
+/// Writes `recording` as a GLB file with a skin, [`MOST_MORPHS`] morph targets at most, one animation, and the materials and
+/// images of the character's file, as far as the avatar has them.
+///
+/// # Errors
+/// [`supple::Error::Invalid`] where the recording is not this avatar's, or its appearance is no JSON; [`supple::Error::Io`].
 pub fn write_glb(
     avatar: &Avatar,
     recording: &Recording,
     path: impl AsRef<Path>,
 ) -> Result<GlbReport> {
+    write_glb_with(avatar, recording, GlbOptions::default(), path)
+}
+
+/// [`write_glb`] with other `options`.
+///
+/// # Errors
+/// As [`write_glb`].
+pub fn write_glb_with(
+    avatar: &Avatar,
+    recording: &Recording,
+    options: GlbOptions,
+    path: impl AsRef<Path>,
+) -> Result<GlbReport> {
     recording.validate(avatar)?;
-    let morphs = Morphs::new(avatar, recording)?;
-    let mut file = Document::default();
+    let morphs = Morphs::new(avatar, recording, options.most_morphs)?;
+    let mut file = Document::new(Materials::new(&avatar.appearance)?);
     let times = as_floats(&recording.times);
     file.times = file.buffer.floats("SCALAR", &times);
     let upright = DQuat::from_mat3(&recording.up.rotation_to(UpAxis::Y));
@@ -49,34 +85,48 @@ pub fn write_glb(
     for prop in &recording.props {
         file.prop(prop, world);
     }
-    let bytes = file.finish(&avatar.name);
-    let path = path.as_ref();
-    std::fs::write(path, &bytes).map_err(|e| Error::io(path, e))?;
+    let images = file.materials.images.len();
+    let bytes = file.finish(&avatar.name)?;
+    write_whole(path, &bytes)?;
     Ok(GlbReport {
         bytes: bytes.len(),
         morphs: morphs.targets.len(),
         per_handle: morphs.per_handle,
         largest_morph_error: morphs.largest_error,
         influences: avatar.skin.skinning.longest(),
+        images,
     })
 }
 
-#[derive(Default)]
-pub(super) struct Document {
+pub(super) struct Document<'a> {
     pub buffer: Buffer,
     nodes: Vec<Value>,
     /// Nodes of the scene itself.
     roots: Vec<usize>,
     pub meshes: Vec<Value>,
     pub skins: Vec<Value>,
-    materials: Vec<Value>,
+    pub materials: Materials<'a>,
     samplers: Vec<Value>,
     channels: Vec<Value>,
     /// Accessor of the key times.
     times: usize,
 }
 
-impl Document {
+impl<'a> Document<'a> {
+    fn new(materials: Materials<'a>) -> Self {
+        Self {
+            buffer: Buffer::default(),
+            nodes: Vec::new(),
+            roots: Vec::new(),
+            meshes: Vec::new(),
+            skins: Vec::new(),
+            materials,
+            samplers: Vec::new(),
+            channels: Vec::new(),
+            times: 0,
+        }
+    }
+
     /// A node of the scene.
     pub fn node(&mut self, node: Value) -> usize {
         self.nodes.push(node);
@@ -196,7 +246,7 @@ impl Document {
         })
     }
 
-    /// A new material; without a name where that is empty.
+    /// A plain material; without a name where that is empty.
     pub fn material(&mut self, name: &str, [r, g, b]: [f32; 3], roughness: f32) -> usize {
         let mut material = json!({"pbrMetallicRoughness": {
             "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness,
@@ -204,25 +254,37 @@ impl Document {
         if !name.is_empty() {
             material["name"] = json!(name);
         }
-        self.materials.push(material);
-        self.materials.len() - 1
+        self.materials.plain(material)
     }
 
-    fn finish(self, name: &str) -> Vec<u8> {
+    fn finish(self, name: &str) -> Result<Vec<u8>> {
         let mut document = json!({
             "asset": {"version": "2.0", "generator": concat!("supple ", env!("CARGO_PKG_VERSION"))},
             "scene": 0,
             "scenes": [{"nodes": self.roots}],
             "nodes": self.nodes,
-            "meshes": self.meshes,
-            "materials": self.materials,
-            "skins": self.skins,
-            "accessors": self.buffer.accessors,
-            "bufferViews": self.buffer.views,
             "buffers": [{"byteLength": self.buffer.bytes.len()}],
         });
+        let (used, required) = self.materials.extensions();
         document["animations"] =
             json!([{"name": name, "samplers": self.samplers, "channels": self.channels}]);
+        // Of what there is none, glTF has no list.
+        for (key, list) in [
+            ("extensionsUsed", json!(used)),
+            ("extensionsRequired", json!(required)),
+            ("meshes", json!(self.meshes)),
+            ("materials", json!(self.materials.to.materials)),
+            ("textures", json!(self.materials.to.textures)),
+            ("samplers", json!(self.materials.to.samplers)),
+            ("images", json!(self.materials.images)),
+            ("skins", json!(self.skins)),
+            ("accessors", json!(self.buffer.accessors)),
+            ("bufferViews", json!(self.buffer.views)),
+        ] {
+            if list.as_array().is_some_and(|list| !list.is_empty()) {
+                document[key] = list;
+            }
+        }
         container(&document, &self.buffer.bytes)
     }
 }

@@ -6,11 +6,13 @@
 
 mod buffer;
 mod document;
+mod materials;
 mod morph;
 mod normals;
+mod part;
 mod skin;
 
-pub use document::{GlbReport, write_glb};
+pub use document::{GlbOptions, GlbReport, write_glb, write_glb_with};
 pub use morph::{MORPH_TOLERANCE, MOST_MORPHS};
 
 use crate::Colour;

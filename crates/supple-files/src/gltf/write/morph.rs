@@ -7,8 +7,8 @@ use supple::internal::features::pose_feature;
 use supple::model::{Avatar, State};
 use supple::{Error, Result};
 
-/// Most morph targets that viewers take.
-pub const MOST_MORPHS: usize = 256;
+/// Most morph targets where nothing else is asked: so many every viewer takes.
+pub const MOST_MORPHS: usize = 64;
 
 /// Largest displacement that a low-rank set of morphs may miss, m.
 pub const MORPH_TOLERANCE: f64 = 1e-5;
@@ -27,14 +27,14 @@ pub(super) struct Morphs {
 }
 
 impl Morphs {
-    /// One target for each handle and axis where that plays everything, else a low-rank basis of what
+    /// At most `most` targets: one for each handle and axis where that plays everything, else a low-rank basis of what
     /// was recorded.
-    pub fn new(avatar: &Avatar, recording: &Recording) -> Result<Self> {
+    pub fn new(avatar: &Avatar, recording: &Recording, most: usize) -> Result<Self> {
         let plain = avatar.skin.pose_blend.features == 0;
-        if plain && 3 * avatar.handles.len() <= MOST_MORPHS {
+        if plain && 3 * avatar.handles.len() <= most {
             Ok(per_handle(avatar, recording))
         } else {
-            low_rank(avatar, recording)
+            low_rank(avatar, recording, most)
         }
     }
 }
@@ -96,8 +96,8 @@ fn per_handle(avatar: &Avatar, recording: &Recording) -> Morphs {
 /// (a column a state), Dᵀ D = V Λ Vᵀ, the targets D V span the best subspace of each rank.
 ///
 /// Targets are taken until no vertex misses more than [`MORPH_TOLERANCE`] at any state, or there are
-/// [`MOST_MORPHS`]; what is missed then is in the report.
-fn low_rank(avatar: &Avatar, recording: &Recording) -> Result<Morphs> {
+/// `most` of them; what is missed then is in the report.
+fn low_rank(avatar: &Avatar, recording: &Recording, most: usize) -> Result<Morphs> {
     let states = &recording.states;
     let rows = 3 * avatar.skin.len();
     let mut residual: Mat<f64> = Mat::zeros(rows, states.len());
@@ -123,7 +123,7 @@ fn low_rank(avatar: &Avatar, recording: &Recording) -> Result<Morphs> {
         per_handle: false,
     };
     // Eigenvalues rise: the last one is the mode that carries most.
-    for k in (0..states.len()).rev().take(MOST_MORPHS) {
+    for k in (0..states.len()).rev().take(most) {
         if morphs.largest_error <= MORPH_TOLERANCE {
             break;
         }

@@ -5,7 +5,7 @@ use supple::model::Surface;
 
 /// First-order change of the vertex normals: δn = (I − n nᵀ) δa / |a|, a the sum of the area vectors of
 /// the triangles around the vertex.
-pub(super) fn normal_change(surface: &Surface, displacement: &[DVec3]) -> Vec<[f32; 3]> {
+pub(super) fn normal_change(surface: &Surface, displacement: &[DVec3]) -> Vec<DVec3> {
     let count = surface.positions.len();
     let (mut area, mut change) = (vec![DVec3::ZERO; count], vec![DVec3::ZERO; count]);
     for (t, triangle) in surface.triangles.iter().enumerate() {
@@ -25,7 +25,7 @@ pub(super) fn normal_change(surface: &Surface, displacement: &[DVec3]) -> Vec<[f
         .map(|(a, d)| {
             let n = a.normalize_or_zero();
             let length = a.length().max(f64::MIN_POSITIVE);
-            ((*d - n * n.dot(*d)) / length).as_vec3().to_array()
+            (*d - n * n.dot(*d)) / length
         })
         .collect()
 }
@@ -56,7 +56,7 @@ mod tests {
         for v in 0..field.len() {
             let expected = (plus[v] - minus[v]) / (2.0 * step);
             largest = largest.max(expected.length());
-            let found = DVec3::from_array(change[v].map(f64::from));
+            let found = change[v];
             assert!(
                 (found - expected).length() < 1e-5,
                 "vertex {v}: {found} {expected}"

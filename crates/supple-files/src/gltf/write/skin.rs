@@ -1,37 +1,36 @@
 //! The skinned mesh: a primitive for each part that the body's file draws, or one of the whole skin.
 //!
-//! Parts keep their file's vertices and with them the seams of its texture coordinates. Materials keep
-//! their names; the textures themselves stay in the file that the body came from.
+//! Parts keep what their file draws them with: vertices split along seams, normals, tangents, colours, texture
+//! coordinates, materials. Normals turn with the welded skin's.
 
-use super::document::{Document, as_floats, floats};
+use super::document::{Document, as_floats};
 use super::morph::Morphs;
 use super::normals::normal_change;
+use super::part::Part;
+use crate::gltf::appearance::coordinate_sets;
+use crate::gltf::appearance::for_textures;
 use glam::{DMat4, DVec3};
 use serde_json::{Value, json};
-use supple::model::{Avatar, RenderMesh, SkinWeight, Surface};
-
-/// Displacements shorter than this are left out of a sparse target, m.
-const SPARSE_THRESHOLD: f32 = 1e-7;
-
-/// Changes of normals whose components are all smaller are left out.
-const NORMAL_THRESHOLD: f32 = 1e-4;
+use supple::model::{Avatar, RenderMesh, Surface};
 
 const SKIN: [f32; 3] = [0.80, 0.52, 0.41];
 /// Of what is attached to the skin.
 const ATTACHED: [f32; 3] = [0.45, 0.47, 0.52];
+/// Of what has colours at its vertices.
+const WHITE: [f32; 3] = [1.0; 3];
 
-impl Document {
+impl Document<'_> {
     /// The skinned mesh of an avatar.
     pub fn skin(&mut self, avatar: &Avatar, morphs: &Morphs, bones: &[usize]) {
         let surface = Surface {
             positions: avatar.skin.position.clone(),
             triangles: avatar.triangles.clone(),
         };
-        let normals = of_followed(avatar, surface.vertex_normals().into_iter().map(floats));
+        let normals = of_followed(avatar, surface.vertex_normals());
         // Each target's displacement of positions and of normals.
-        let targets: Vec<(&[DVec3], Vec<[f32; 3]>)> = (morphs.targets.iter())
+        let targets: Vec<(&[DVec3], Vec<DVec3>)> = (morphs.targets.iter())
             .map(|target| {
-                let change = normal_change(&surface, target).into_iter();
+                let change = normal_change(&surface, target);
                 (target.as_slice(), of_followed(avatar, change))
             })
             .collect();
@@ -43,39 +42,22 @@ impl Document {
             }
             parts => parts,
         };
-        let mut materials: Vec<(&str, bool, usize)> = Vec::new();
         let mut primitives: Vec<Value> = Vec::new();
         // A primitive must draw something.
         for part in parts.iter().filter(|p| !p.triangles.is_empty()) {
-            let tissue = avatar.tissue_vertices();
-            let own = part
-                .vertices
-                .iter()
-                .filter(|v| (**v as usize) < tissue)
-                .count();
-            let attached = 2 * own < part.vertices.len();
-            let known = |m: &&(&str, bool, usize)| m.0 == part.material && m.1 == attached;
-            let material = match materials.iter().find(known) {
-                Some(known) => known.2,
-                None => {
-                    let colour = if attached { ATTACHED } else { SKIN };
-                    let material = self.material(&part.material, colour, 0.6);
-                    materials.push((&part.material, attached, material));
-                    material
-                }
+            let material = self.material_of(avatar, part);
+            let highest = highest_set(&self.materials.to.materials[material]);
+            let part = Part {
+                avatar,
+                part,
+                normals: &normals,
             };
-            let mut primitive = self.part(avatar, part, &normals);
+            let mut primitive = part.primitive(&mut self.buffer, highest);
             primitive["material"] = json!(material);
             if !targets.is_empty() {
-                let targets = targets.iter().map(|(moves, normals)| {
-                    let moves: Vec<_> = of_part(part, moves).map(floats).collect();
-                    let normals: Vec<_> = of_part(part, normals).collect();
-                    json!({
-                        "POSITION": self.buffer.sparse_vectors(&moves, SPARSE_THRESHOLD),
-                        "NORMAL": self.buffer.sparse_vectors(&normals, NORMAL_THRESHOLD),
-                    })
-                });
-                primitive["targets"] = json!(targets.collect::<Vec<_>>());
+                let targets = (targets.iter())
+                    .map(|(moves, change)| part.target(&mut self.buffer, moves, change));
+                primitive["targets"] = targets.collect();
             }
             primitives.push(primitive);
         }
@@ -107,32 +89,32 @@ impl Document {
         }
     }
 
-    /// A part's own vertices and triangles.
-    fn part(&mut self, avatar: &Avatar, part: &RenderMesh, normals: &[[f32; 3]]) -> Value {
-        let skin = &avatar.skin;
-        let positions: Vec<_> = of_part(part, &skin.position).map(floats).collect();
-        let normals: Vec<_> = of_part(part, normals).collect();
-        let mut attributes = json!({
-            "POSITION": self.buffer.floats("VEC3", &positions),
-            "NORMAL": self.buffer.floats("VEC3", &normals),
-        });
-        if !part.texture_coordinates.is_empty() {
-            let coordinates = self.buffer.floats("VEC2", &part.texture_coordinates);
-            attributes["TEXCOORD_0"] = json!(coordinates);
+    /// The material of a part: its file's, or a plain one of that name.
+    fn material_of(&mut self, avatar: &Avatar, part: &RenderMesh) -> usize {
+        let buffer = &mut self.buffer;
+        let copied = (part.material_index).and_then(|m| self.materials.copy(m, buffer));
+        if let Some(copied) = copied {
+            return copied;
         }
-        for set in 0..skin.skinning.longest().div_ceil(4) {
-            let rows = part.vertices.iter().map(|&v| skin.skinning.row(v as usize));
-            let (bones, weights): (Vec<_>, Vec<_>) = rows.map(|row| influences(row, set)).unzip();
-            attributes[format!("JOINTS_{set}")] = json!(self.buffer.bone_indices(&bones));
-            attributes[format!("WEIGHTS_{set}")] = json!(self.buffer.floats("VEC4", &weights));
-        }
-        let indices = self.buffer.triangles(&part.triangles);
-        json!({"attributes": attributes, "indices": indices})
+        let tissue = avatar.tissue_vertices();
+        let vertices = part.vertices.iter();
+        let own = vertices.filter(|v| (**v as usize) < tissue).count();
+        let colour = match () {
+            () if !part.colours.is_empty() => WHITE,
+            () if 2 * own < part.vertices.len() => ATTACHED,
+            () => SKIN,
+        };
+        self.material(&part.material, colour, 0.6)
     }
 }
 
-fn of_part<'a, T: Copy>(part: &'a RenderMesh, values: &'a [T]) -> impl Iterator<Item = T> + 'a {
-    part.vertices.iter().map(|&v| values[v as usize])
+/// The highest set of texture coordinates that a material takes, if it takes any.
+fn highest_set(material: &Value) -> Option<usize> {
+    let mut highest = None;
+    for_textures(material, &mut |info| {
+        highest = highest.max(coordinate_sets(info).into_iter().max());
+    });
+    highest
 }
 
 /// The skin as one part.
@@ -146,8 +128,7 @@ fn whole_skin(avatar: &Avatar) -> RenderMesh {
 
 /// `values` of the skin vertices; attached vertices without triangles have those of the vertex that they
 /// follow most.
-fn of_followed(avatar: &Avatar, values: impl Iterator<Item = [f32; 3]>) -> Vec<[f32; 3]> {
-    let mut values: Vec<[f32; 3]> = values.collect();
+fn of_followed(avatar: &Avatar, mut values: Vec<DVec3>) -> Vec<DVec3> {
     let mut has_triangle = vec![false; values.len()];
     for &v in avatar.triangles.iter().flatten() {
         has_triangle[v as usize] = true;
@@ -160,15 +141,4 @@ fn of_followed(avatar: &Avatar, values: impl Iterator<Item = [f32; 3]>) -> Vec<[
         }
     }
     values
-}
-
-/// The `set`th four bones and weights of a vertex, largest first; absent ones have weight 0.
-fn influences(row: &[SkinWeight], set: usize) -> ([u16; 4], [f32; 4]) {
-    let mut sorted = row.to_vec();
-    sorted.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    let (mut bones, mut weights) = ([0; 4], [0.0; 4]);
-    for (k, w) in sorted.iter().skip(4 * set).take(4).enumerate() {
-        (bones[k], weights[k]) = (w.bone as u16, w.weight as f32);
-    }
-    (bones, weights)
 }

@@ -1,13 +1,17 @@
 //! The formats: small sound files, and what reads them.
 
 use super::seeds;
+#[cfg(feature = "draco")]
+use crate::draco_file::with_stream;
+use crate::gltf::{materials, meshopt};
 use std::collections::BTreeMap;
 use std::path::Path;
 use supple::glam::{DMat3, DVec3};
+use supple::internal::random_avatar;
 use supple_files as motion;
 use supple_files::{
-    BvhOptions, PoseReader, parse_gltf, parse_gltf_motions, parse_obj, parse_smpl, parse_tetgen,
-    parse_tets,
+    BvhOptions, PoseReader, Recording, parse_gltf, parse_gltf_motions, parse_obj, parse_smpl,
+    parse_tetgen, parse_tets, write_glb,
 };
 use supple_scene::{parse_avatar_source, parse_scene};
 
@@ -76,9 +80,75 @@ pub fn obj() -> Format {
 }
 
 pub fn gltf() -> Format {
-    plain("gltf", seeds::gltf(), |bytes| {
-        parse_gltf(bytes, path()).is_ok_and(|character| character.body(&[0.5]).is_ok())
+    plain("gltf", seeds::gltf(), character)
+}
+
+fn character(bytes: &[u8]) -> bool {
+    parse_gltf(bytes, path()).is_ok_and(|character| {
+        let shapes = character.shapes().len().min(1);
+        character.body(&[0.5][..shapes]).is_ok()
     })
+}
+
+pub fn gltf_meshopt() -> Format {
+    plain("gltf_meshopt", seeds::meshopt(), |bytes| {
+        parse_gltf_motions(bytes, path()).is_ok() & character(bytes)
+    })
+}
+
+pub fn meshopt_inside() -> Format {
+    Format {
+        wrap: |bytes| meshopt::with_positions(&bytes),
+        ..plain("meshopt_inside", seeds::meshopt_streams(), character)
+    }
+}
+
+/// Materials, textures and images, and every attribute that is kept; what is read is written again.
+pub fn gltf_painted() -> Format {
+    plain("gltf_painted", vec![materials::embedded().glb()], |bytes| {
+        let Ok(read) = parse_gltf(bytes, path()) else {
+            return false;
+        };
+        let Ok(body) = read.body(&[]) else {
+            return false;
+        };
+        // As on an avatar of a few vertices.
+        let mut avatar = random_avatar(1, 2, 2, 3, 12);
+        let count = avatar.skin.len() as u32;
+        avatar.render_meshes = body.render_meshes;
+        (avatar.render_meshes.iter_mut())
+            .for_each(|part| part.vertices.iter_mut().for_each(|v| *v %= count));
+        avatar.appearance = body.appearance;
+        avatar.validate().unwrap();
+        let recording = Recording {
+            times: vec![0.0],
+            states: vec![avatar.rest_state()],
+            ..Recording::default()
+        };
+        let nowhere = std::env::temp_dir().join("supple_painted.glb");
+        let nowhere = if cfg!(unix) {
+            Path::new("/dev/null")
+        } else {
+            &nowhere
+        };
+        write_glb(&avatar, &recording, nowhere).unwrap();
+        true
+    })
+}
+
+#[cfg(feature = "draco")]
+pub fn gltf_draco() -> Format {
+    let seeds = seeds::draco_streams();
+    let files = seeds.iter().map(|stream| with_stream(stream).glb());
+    plain("gltf_draco", files.collect(), character)
+}
+
+#[cfg(feature = "draco")]
+pub fn draco_inside() -> Format {
+    Format {
+        wrap: |bytes| with_stream(&bytes).glb(),
+        ..plain("draco_inside", seeds::draco_streams(), character)
+    }
 }
 
 pub fn gltf_motions() -> Format {

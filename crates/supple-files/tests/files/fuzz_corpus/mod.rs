@@ -77,6 +77,9 @@ formats!(
     obj,
     gltf,
     gltf_motions,
+    gltf_meshopt,
+    meshopt_inside,
+    gltf_painted,
     tets,
     tetgen,
     bvh,
@@ -88,6 +91,9 @@ formats!(
     scene,
     recipe,
 );
+
+#[cfg(feature = "draco")]
+formats!(gltf_draco, draco_inside);
 
 /// The check sees what it is there for.
 #[test]
@@ -119,6 +125,11 @@ fn write_seeds() {
         ("npy", formats::amass_npy_inside()),
         ("obj", formats::obj()),
         ("gltf", formats::gltf()),
+        ("gltf", formats::gltf_meshopt()),
+        ("gltf", formats::gltf_painted()),
+        #[cfg(feature = "draco")]
+        ("draco", formats::draco_inside()),
+        ("meshopt", formats::meshopt_inside()),
         ("tets", formats::tets()),
         ("tetgen", formats::tetgen()),
         ("bvh", formats::bvh()),

@@ -4,6 +4,8 @@ use std::io::{Cursor, Write};
 use supple_samples::Limb;
 use zip::write::SimpleFileOptions;
 
+use crate::gltf::meshopt::{EXT, KHR, Mode, compressed, stream_of_positions};
+use crate::meshopt_encoder::Channel;
 use crate::support;
 
 pub const OBJ: &str = "# two tets\no low\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0.5 0.5\nvn 0 0 1\nf 1/1/1 3/1/1 2/1/1\n\
@@ -226,6 +228,40 @@ pub fn gltf_motions() -> Vec<Vec<u8>> {
     let motion = json(&embedded(&buffer)).replace("{\"mesh\":0,\"skin\":0}", "{}");
     let motion = motion.replace("VRMC_vrm", "VRMC_vrm_animation");
     [gltf(), vec![motion.into_bytes()]].concat()
+}
+
+/// A bar whose views meshopt compressed, in each mode and version.
+pub fn meshopt() -> Vec<Vec<u8>> {
+    vec![
+        compressed(EXT, Mode::Attributes, Mode::Triangles),
+        compressed(KHR, Mode::AttributesV1, Mode::Indices),
+    ]
+}
+
+pub fn meshopt_streams() -> Vec<Vec<u8>> {
+    let kinds = [
+        [Channel::Bytes; 3],
+        [Channel::Shorts; 3],
+        [Channel::Xor(3), Channel::Bytes, Channel::Xor(0)],
+    ];
+    kinds.map(|kinds| stream_of_positions(&kinds)).to_vec()
+}
+
+/// A bar by both kinds of connectivity, and the ways that edges are walked.
+#[cfg(feature = "draco")]
+pub fn draco_streams() -> Vec<Vec<u8>> {
+    let ways = [(0, 0), (1, 10), (1, 5), (1, 1)];
+    let stream = |(method, level)| {
+        let mut options = draco_core::EncoderOptions::new();
+        options.set_encoding_method(method);
+        options.set_compression_level(level);
+        // Rounded, so that they are predicted from each other.
+        for (id, bits) in [(0, 14), (2, 8), (3, 12), (4, 10)] {
+            options.set_attribute_quantization(id, bits);
+        }
+        crate::draco_file::stream(&options)
+    };
+    ways.map(stream).to_vec()
 }
 
 fn embedded(buffer: &[u8]) -> String {

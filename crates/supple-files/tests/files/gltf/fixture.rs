@@ -117,9 +117,14 @@ impl Fixture {
 
     /// The file as GLB.
     pub fn glb(&self) -> Vec<u8> {
-        let mut json = self.json.clone();
-        json["buffers"] = json!([{"byteLength": self.binary.len()}]);
-        let mut json = json.to_string().into_bytes();
+        let mut file = self.clone();
+        file.json["buffers"] = json!([{"byteLength": self.binary.len()}]);
+        file.glb_with_buffers()
+    }
+
+    /// The same with the buffers that the document says.
+    pub fn glb_with_buffers(&self) -> Vec<u8> {
+        let mut json = self.json.to_string().into_bytes();
         json.resize(json.len().next_multiple_of(4), b' ');
         let mut binary = self.binary.clone();
         binary.resize(binary.len().next_multiple_of(4), 0);

@@ -5,11 +5,15 @@ mod attachments;
 mod bones;
 mod cases;
 mod damaged;
+#[cfg(feature = "draco")]
+mod draco;
 mod evaluation;
-mod fixture;
+pub mod fixture;
 mod joints;
 mod malformed;
+pub mod materials;
 mod meshes;
+pub mod meshopt;
 mod motions;
 mod parts;
 mod scales;
