@@ -9,6 +9,7 @@ mod damaged;
 mod draco;
 mod evaluation;
 pub mod fixture;
+mod images;
 mod joints;
 mod malformed;
 pub mod materials;
