@@ -12,6 +12,7 @@ use crate::basis::{BiharmonicSystem, basis_at_tets, basis_on_skin, skinning_at_t
 use crate::body::Body;
 use crate::bones::{BoneLoads, SpringReport, bone_masses, drop_bones, left_to_tissue, retain};
 use crate::cubature::{Cubature, Tissue};
+use crate::depth::{depth_per_bone, thin_places};
 use crate::handles::{Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
 use std::time::Instant;
@@ -221,6 +222,8 @@ fn bake_phases(
     let notes = left_to_tissue(&mut avatar);
     retain(&mut bones.masses, &loads.anything);
     retain(&mut handle_report.per_bone, &loads.anything);
+    let mut depth_per_bone = depth_per_bone(body, &softness.depth);
+    retain(&mut depth_per_bone, &loads.anything);
     avatar.validate()?;
     mesh_report.quality = quality;
     let (low, high) = body.skin.bounds();
@@ -234,6 +237,8 @@ fn bake_phases(
         mesh: mesh_report,
         free_nodes: fixed.iter().filter(|f| !**f).count(),
         deep: softness.deep,
+        depth_per_bone,
+        thin_places: thin_places(body, &softness.depth, softness.deep),
         handles: handle_report,
         basis: BasisReport {
             linear_precision,

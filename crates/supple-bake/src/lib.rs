@@ -12,6 +12,7 @@ mod basis;
 mod body;
 mod bones;
 mod cubature;
+mod depth;
 mod file;
 mod full_space;
 mod handles;
@@ -29,6 +30,7 @@ pub use basis::{BasisEnergy, BiharmonicSystem, Constraints, Truncation, biharmon
 pub use body::{Attachment, Body, Joints, LayerMesh, Limb, ParametricModel, one_bone_body};
 pub use bones::{BoneMassReport, JointLimitKey, SpringReport, bone_masses, set_limits};
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
+pub use depth::ThinPlace;
 pub use file::{Baked, baked_file, from_bytes, read_baked, to_bytes, write_baked};
 pub use full_space::{SparseCholesky, all_tets, full_space, full_space_simulation, without_tissue};
 pub use handles::{

@@ -3,6 +3,7 @@
 use crate::body::Body;
 use crate::bones::{BoneMassReport, SpringReport};
 use crate::cubature::CubatureReport;
+use crate::depth::ThinPlace;
 use crate::math::NearestPoint;
 use crate::mesh::MeshReport;
 use glam::DVec3;
@@ -30,6 +31,10 @@ pub struct BakeReport {
     pub free_nodes: usize,
     /// Depth that counts as deep: 15 % of the skin's area lie over more, m.
     pub deep: f64,
+    /// Depth of the tissue under the skin that each bone leads: least, median, greatest, m; 0 where it leads none.
+    pub depth_per_bone: Vec<[f64; 3]>,
+    /// Where it is much thinner than around, the largest place first.
+    pub thin_places: Vec<ThinPlace>,
     /// The handles.
     pub handles: HandleReport,
     /// Their basis.

@@ -140,6 +140,17 @@ pub fn print_bake_report(r: &BakeReport) {
     if r.mesh.thickness[2] > 0.0 {
         rows.push(("thickness", spread(r.mesh.thickness)));
     }
+    let medians: Vec<f64> = r.depth_per_bone.iter().map(|d| d[1]).collect();
+    let depth_on = by_bone(&r.bone_names, &medians, |d| format!("{:.1}", 1e3 * d));
+    rows.push(("  median on, mm", depth_on));
+    const MOST_PLACES: usize = 6;
+    for place in r.thin_places.iter().take(MOST_PLACES) {
+        rows.push(("warning", format!("thin: {place}")));
+    }
+    if r.thin_places.len() > MOST_PLACES {
+        let more = r.thin_places.len() - MOST_PLACES;
+        rows.push(("warning", format!("{more} more thin places, in --json")));
+    }
     rows.push((
         "tissue",
         format!("{}, {}", volume(r.cubature.volume), mass(r.tissue_mass)),

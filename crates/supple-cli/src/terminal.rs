@@ -1,9 +1,10 @@
 //! What goes to the terminal: lines, tables, JSON, bars.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::Mutex;
+use std::time::Instant;
 use supple::{Error, Result};
 use supple_bake::PHASES;
 
@@ -88,22 +89,46 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// A bar over the phases of the bake of a body with the given name.
+/// The phases of the bake of a body with the given name.
 pub fn baking(name: &str) -> impl FnMut(usize) {
-    let bar = bar(PHASES.len(), name);
-    move |phase| show_phase(&bar, phase)
+    let mut shown = Phases::new(name);
+    move |phase| shown.show(phase)
 }
 
 /// The same for a bake that may turn out not to be needed, whose body's name comes with its phases.
 pub fn baking_if_needed() -> impl FnMut(&str, usize) {
     let mut shown = None;
-    move |name, phase| show_phase(shown.get_or_insert_with(|| bar(PHASES.len(), name)), phase)
+    move |name, phase| shown.get_or_insert_with(|| Phases::new(name)).show(phase)
 }
 
-fn show_phase(bar: &ProgressBar, phase: usize) {
-    bar.set_position(phase as u64);
-    match PHASES.get(phase) {
-        Some(name) => bar.set_message(*name),
-        None => bar.finish_and_clear(),
+/// A bake's phases on standard error: a bar, or a line a phase where it is no terminal.
+struct Phases {
+    bar: Option<ProgressBar>,
+    name: String,
+    since: Instant,
+}
+
+impl Phases {
+    fn new(name: &str) -> Self {
+        let is_terminal = io::stderr().is_terminal();
+        Self {
+            bar: is_terminal.then(|| bar(PHASES.len(), name)),
+            name: name.into(),
+            since: Instant::now(),
+        }
+    }
+
+    fn show(&mut self, phase: usize) {
+        let Self { bar, name, since } = self;
+        let seconds = since.elapsed().as_secs_f64();
+        match (bar, PHASES.get(phase)) {
+            (Some(bar), Some(what)) => {
+                bar.set_position(phase as u64);
+                bar.set_message(*what);
+            }
+            (Some(bar), None) => bar.finish_and_clear(),
+            (None, Some(what)) => eprintln!("{name}: {what}, after {seconds:.1} s"),
+            (None, None) => eprintln!("{name}: baked in {seconds:.1} s"),
+        }
     }
 }

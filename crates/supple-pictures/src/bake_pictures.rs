@@ -1,4 +1,4 @@
-//! Pictures of a bake: what is tissue and what hangs on it, handles, a column of the basis, cubature points, skin weights.
+//! Pictures of a bake: what is tissue, how deep it is and what hangs on it, handles, a column of the basis, cubature points, skin weights.
 
 use super::{
     Camera, Colour, ColourScale, Image, Legend, Mesh, Panel, Strip, View, category_colour,
@@ -37,6 +37,10 @@ pub fn bake_pictures(avatar: &Avatar) -> Vec<BakePicture> {
         image: parts(&stage),
     });
     let of_all = [
+        BakePicture {
+            name: "tissue",
+            image: tissue(avatar, &stage),
+        },
         BakePicture {
             name: "handles",
             image: handles(avatar, &stage),
@@ -229,6 +233,28 @@ fn parts(stage: &Stage) -> Image {
     let colours = [SKIN, ATTACHED[0], ATTACHED[1]].map(from_srgb);
     let key = colours.into_iter().zip(names.map(String::from));
     Stage::sheet(panels, None, key.collect())
+}
+
+/// The skin by the depth of what lies under it: how far the nearest node is that a bone holds.
+fn tissue(avatar: &Avatar, stage: &Stage) -> Image {
+    let layer = &avatar.layer;
+    let held: Vec<DVec3> = (layer.mesh.nodes.iter().zip(&layer.bone_of_node))
+        .filter_map(|(place, bone)| bone.map(|_| *place))
+        .collect();
+    let search = NearestPoint::new(&held);
+    let depth = |p: &DVec3| Some(search.distance(*p)).filter(|d| d.is_finite());
+    let depths: Vec<f64> = (stage.skin.positions.iter())
+        .map(|p| depth(p).unwrap_or(0.0))
+        .collect();
+    let used = stage.skin.triangles.iter().flatten();
+    let most = used.map(|&v| depths[v as usize]).fold(0.0, f64::max);
+    let share = |d: &f64| colour_map(d / most.max(f64::MIN_POSITIVE));
+    let skin = Mesh::coloured(stage.skin.clone(), depths.iter().map(share).collect());
+    let legend = Legend {
+        title: "depth of the tissue (mm)".into(),
+        scale: ColourScale::up_to(1e3 * most),
+    };
+    Stage::sheet(stage.both(&[skin], "tissue"), Some(legend), Vec::new())
 }
 
 /// Handles as balls on the skin and what bones alone move; clothes, which would hide them, are left out. Where they lie

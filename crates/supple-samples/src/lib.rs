@@ -6,6 +6,7 @@ mod field;
 mod finger;
 pub mod hand;
 mod heat_weights;
+mod kept;
 mod polygonise;
 mod pose_columns;
 mod regressor;

@@ -4,7 +4,7 @@ use super::biharmonic_energy::BasisEnergy;
 use crate::math::{DenseFactor, SparseFactor, SparseSymmetric};
 use crate::mesh::{add_laplacian, loose_tets};
 use glam::DVec3;
-use supple::internal::math::Rows;
+use supple::internal::math::{Rows, par_map};
 use supple::model::TetMesh;
 use supple::{Error, Result};
 
@@ -35,6 +35,8 @@ pub struct BiharmonicSystem {
     /// The same on fixed nodes, by node.
     constraints_on_fixed: Constraints,
     factor: SparseFactor,
+    /// The columns of K⁻¹ Cᵀ.
+    solved: Vec<Vec<f64>>,
     /// S.
     schur: DenseFactor,
 }
@@ -131,11 +133,12 @@ impl BiharmonicSystem {
         let matrix = SparseSymmetric::from_entries(free as usize, &entries);
         drop(entries);
         let factor = SparseFactor::new(&matrix, Self::NAME)?;
-        let schur = factor.solve_each(
+        let solved = factor.solve_each(
             constraints.len(),
             |i, b| scatter(constraints.row(i), 1.0, b),
-            |_, z| gather(&constraints, z),
+            |_, z| z.to_vec(),
         );
+        let schur: Vec<Vec<f64>> = solved.iter().map(|z| gather(&constraints, z)).collect();
         let schur = DenseFactor::new(&schur, "constraints of the biharmonic basis")?;
         Ok(Self {
             column_of_node,
@@ -146,6 +149,7 @@ impl BiharmonicSystem {
             constraints,
             constraints_on_fixed,
             factor,
+            solved,
             schur,
         })
     }
@@ -160,21 +164,29 @@ impl BiharmonicSystem {
     /// not read) and `values` at the constraints.
     pub fn minimise(&self, fixed_values: &[f64], values: &[f64]) -> Vec<f64> {
         let mut load = vec![0.0; self.free];
+        self.load(fixed_values, &mut load);
+        self.constrained(self.factor.solve(&load), fixed_values, values)
+    }
+
+    /// f = −A_bᵀ u_b.
+    fn load(&self, fixed_values: &[f64], load: &mut [f64]) {
         for &(column, node, value) in &self.coupling {
             load[column as usize] -= value * fixed_values[node as usize];
         }
-        let unconstrained = self.factor.solve(&load);
-        let missing: Vec<f64> = gather(&self.constraints, &unconstrained)
+    }
+
+    /// The minimiser from the one without constraints, K⁻¹ f.
+    fn constrained(&self, mut u: Vec<f64>, fixed_values: &[f64], values: &[f64]) -> Vec<f64> {
+        let missing: Vec<f64> = gather(&self.constraints, &u)
             .into_iter()
             .zip(gather(&self.constraints_on_fixed, fixed_values))
             .zip(values)
             .map(|((reached, held), value)| value - held - reached)
             .collect();
-        let multipliers = self.schur.solve(&missing);
-        for (row, multiplier) in self.constraints.iter().zip(multipliers) {
-            scatter(row, multiplier, &mut load);
+        for (z, multiplier) in self.solved.iter().zip(self.schur.solve(&missing)) {
+            add_scaled(z, multiplier, &mut u);
         }
-        self.on_nodes(&self.factor.solve(&load), fixed_values)
+        self.on_nodes(&u, fixed_values)
     }
 
     /// Column h is 1 at constraint h and 0 at the others and at the fixed nodes: one column a
@@ -182,17 +194,15 @@ impl BiharmonicSystem {
     pub fn basis(&self) -> Vec<Vec<f64>> {
         let count = self.constraints.len();
         let zeros = vec![0.0; self.column_of_node.len()];
-        self.factor.solve_each(
-            count,
-            |h, load| {
-                let mut unit = vec![0.0; count];
-                unit[h] = 1.0;
-                for (row, multiplier) in self.constraints.iter().zip(self.schur.solve(&unit)) {
-                    scatter(row, multiplier, load);
-                }
-            },
-            |_, u| self.on_nodes(u, &zeros),
-        )
+        par_map(count, |h| {
+            let mut unit = vec![0.0; count];
+            unit[h] = 1.0;
+            let mut u = vec![0.0; self.free];
+            for (z, multiplier) in self.solved.iter().zip(self.schur.solve(&unit)) {
+                add_scaled(z, multiplier, &mut u);
+            }
+            self.on_nodes(&u, &zeros)
+        })
     }
 
     /// The multipliers w of \[A Cᵀ; C 0\] \[x; w\] = \[m; 0\]: each constraint's integral of its
@@ -216,26 +226,32 @@ impl BiharmonicSystem {
         let low = nodes.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = nodes.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let (centre, size) = ((low + high) / 2.0, (high - low).max_element());
-        let error = |axis: usize| {
-            let affine = |x: &DVec3| match axis {
+        let affine = |axis: usize| -> Vec<f64> {
+            let value = |x: &DVec3| match axis {
                 0..3 => (x[axis] - centre[axis]) / size,
                 _ => 1.0,
             };
-            let exact: Vec<f64> = nodes.iter().map(affine).collect();
-            let mut sum = self.minimise(&exact, &vec![0.0; self.constraints.len()]);
-            let at_handles = gather(&self.constraints, &self.free_part(&exact)).into_iter();
-            let at_handles = at_handles.zip(gather(&self.constraints_on_fixed, &exact));
+            nodes.iter().map(value).collect()
+        };
+        let exact: [Vec<f64>; 4] = std::array::from_fn(affine);
+        let none = vec![0.0; self.constraints.len()];
+        let of_fixed = self.factor.solve_each(
+            4,
+            |axis, load| self.load(&exact[axis], load),
+            |axis, u| self.constrained(u.to_vec(), &exact[axis], &none),
+        );
+        let error = |(exact, mut sum): (&Vec<f64>, Vec<f64>)| {
+            let at_handles = gather(&self.constraints, &self.free_part(exact)).into_iter();
+            let at_handles = at_handles.zip(gather(&self.constraints_on_fixed, exact));
             for (column, (free, held)) in columns.iter().zip(at_handles) {
-                sum.iter_mut()
-                    .zip(column)
-                    .for_each(|(s, u)| *s += u * (free + held));
+                add_scaled(column, free + held, &mut sum);
             }
-            let differences = (sum.iter().zip(&exact).zip(&self.determined))
+            let differences = (sum.iter().zip(exact).zip(&self.determined))
                 .filter(|(_, determined)| **determined)
                 .map(|((s, e), _)| (s - e).abs());
             differences.fold(0.0, |m: f64, d| if d > m || d.is_nan() { d } else { m })
         };
-        (0..4)
+        (exact.iter().zip(of_fixed))
             .map(error)
             .fold(0.0, |m: f64, e| if e > m || e.is_nan() { e } else { m })
     }
@@ -253,6 +269,11 @@ impl BiharmonicSystem {
             .map(|(column, &held)| column.map_or(held, |c| u[c as usize]))
             .collect()
     }
+}
+
+/// x += scale · z.
+fn add_scaled(z: &[f64], scale: f64, x: &mut [f64]) {
+    x.iter_mut().zip(z).for_each(|(x, z)| *x += scale * z);
 }
 
 /// x += scale · Cᵀ row.

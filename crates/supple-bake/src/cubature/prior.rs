@@ -2,6 +2,7 @@
 
 use super::cubature::{Tissue, Weights};
 use crate::basis::{BasisEnergy, BiharmonicSystem, Constraints};
+use crate::math::NearestPoint;
 use glam::DVec3;
 use supple::internal::math::par_map;
 use supple::{Error, Result};
@@ -80,11 +81,10 @@ fn biharmonic_weights(tissue: Tissue<'_>, tets: &[u32]) -> Result<Vec<f64>> {
 fn cell_volumes(tissue: Tissue<'_>, tets: &[u32]) -> Vec<f64> {
     let centroid = |&t: &u32| tissue.mesh.centroid(t as usize);
     let points: Vec<DVec3> = tets.iter().map(centroid).collect();
+    let search = NearestPoint::new(&points);
     let nearest = par_map(tissue.mesh.tets.len(), |t| {
-        let place = tissue.mesh.centroid(t);
-        let squares = points.iter().map(|p| p.distance_squared(place)).enumerate();
-        let best = squares.min_by(|a, b| a.1.total_cmp(&b.1));
-        best.map_or(0, |(i, _)| i)
+        let best = search.nearest(tissue.mesh.centroid(t));
+        best.map_or(0, |(i, _)| i as usize)
     });
     let mut volumes = vec![0.0; points.len()];
     for (cell, volume) in nearest.into_iter().zip(tissue.tet_volumes()) {

@@ -6,7 +6,9 @@ use supple::material::{Material, StableNeoHookean};
 
 /// Spacing of automatic handles in the softest part, relative to the layer's depth there: the basis then
 /// follows the slowest ways in which the layer can sway.
-const SPACING: f64 = 2.25;
+const SPACING: f64 = 1.8;
+/// How far softness draws them: at 1 a calf, half as deep as a belly, had two or three.
+const SOFT: f64 = 0.6;
 /// So many automatic handles at least and at most: 100 handles and 24 bones step in real time on one core.
 const HANDLES: (usize, usize) = (60, 100);
 
@@ -18,7 +20,7 @@ pub(crate) fn handle_region(softness: &Softness) -> HandleRegion {
     HandleRegion {
         // NaN counts as the least.
         count: Some((count.round() as usize).clamp(least, most)),
-        soft: 1.0,
+        soft: SOFT,
         ..HandleRegion::default()
     }
 }

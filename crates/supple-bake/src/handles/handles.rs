@@ -1,5 +1,6 @@
 //! Where handles stand: on the skin, at nodes or at points inside the volume.
 
+use super::mirror::{Mirror, mirrored_farthest_points};
 use super::sampling::{Density, weighted_farthest_points};
 use super::softness::Softness;
 use crate::basis::Constraints;
@@ -38,7 +39,8 @@ pub struct HandleRegion {
     /// densest part.
     pub spacing: Option<f64>,
     /// How far softness ([`Softness`]) draws handles: their spacing goes with softness^−soft, and what is stiff
-    /// gets none. 0 is even; automatic handles have 1.
+    /// gets none. Where it is not 0 and the body is its own mirror image, handles come in pairs or on the plane
+    /// between its halves. 0 is even; automatic handles have 0.6.
     pub soft: f64,
 }
 
@@ -80,6 +82,7 @@ impl Handles {
         regions: &[HandleRegion],
     ) -> Result<Self> {
         let mut handles = Self::default();
+        let mirror = Mirror::of(&body.skin.positions);
         for (r, region) in regions.iter().enumerate() {
             let field = format!("recipe.handles[{r}]");
             let before = handles.positions.len();
@@ -104,9 +107,14 @@ impl Handles {
             let positions: Vec<DVec3> = candidates.iter().map(|c| c.position).collect();
             let weights: Vec<f64> = candidates.iter().map(|c| c.weight).collect();
             let taken = &handles.positions;
-            let chosen = match density {
-                Some(density) => weighted_farthest_points(&positions, &weights, taken, density),
-                None => (0..candidates.len() as u32).collect(),
+            let chosen = match (density, mirror) {
+                (Some(density), Some(mirror)) if region.soft > 0.0 => {
+                    mirrored_farthest_points(mirror, &positions, &weights, taken, density)
+                }
+                (Some(density), _) => {
+                    weighted_farthest_points(&positions, &weights, taken, density)
+                }
+                (None, _) => (0..candidates.len() as u32).collect(),
             };
             for i in chosen {
                 let Candidate { position, row, .. } = &candidates[i as usize];

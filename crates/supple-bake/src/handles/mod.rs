@@ -4,6 +4,7 @@ pub(crate) mod automatic;
 mod candidates;
 #[allow(clippy::module_inception)]
 mod handles;
+mod mirror;
 mod sampling;
 mod softness;
 

@@ -1,5 +1,6 @@
 //! Farthest-point sampling.
 
+use crate::math::Blocks;
 use glam::DVec3;
 
 /// When to stop sampling.
@@ -32,23 +33,11 @@ pub fn weighted_farthest_points(
     if candidates.is_empty() {
         return Vec::new();
     }
-    let squared: Vec<f64> = weights.iter().map(|w| w * w).collect();
-    let nearest = |p: DVec3| {
-        let squares = taken.iter().map(|t| t.distance_squared(p));
-        squares.fold(f64::INFINITY, f64::min)
-    };
-    let mut squares: Vec<f64> = candidates.iter().map(|&p| nearest(p)).collect();
+    let mut far = Far::new(candidates, weights, taken);
     let mut chosen = Vec::new();
-    let mean = candidates.iter().sum::<DVec3>() / candidates.len() as f64;
-    let weighted = |square: f64, w: f64| if w > 0.0 { w * square } else { 0.0 };
-    let mut next = if taken.is_empty() {
-        let from_mean = candidates.iter().zip(&squared);
-        farthest(from_mean.map(|(p, &w)| weighted(p.distance_squared(mean), w)))
-    } else {
-        farthest(squares.iter().zip(&squared).map(|(s, &w)| weighted(*s, w)))
-    };
+    let mut next = far.first(taken);
     loop {
-        let distance = weighted(squares[next], squared[next]);
+        let distance = far.weighted(next);
         let enough = match density {
             Density::Count(count) => chosen.len() >= count,
             Density::Spacing(spacing) => distance <= spacing * spacing,
@@ -57,11 +46,122 @@ pub fn weighted_farthest_points(
             return chosen;
         }
         chosen.push(next as u32);
-        let point = candidates[next];
-        for (square, p) in squares.iter_mut().zip(candidates) {
-            *square = square.min(p.distance_squared(point));
+        far.take(candidates[next]);
+        next = far.farthest();
+    }
+}
+
+/// A squared distance, weighted.
+fn weighted(square: f64, weight: f64) -> f64 {
+    if weight > 0.0 {
+        weight * weight * square
+    } else {
+        0.0
+    }
+}
+
+/// How far candidates are from what is taken, block by block.
+pub(super) struct Far<'a> {
+    candidates: &'a [DVec3],
+    weights: &'a [f64],
+    blocks: Blocks,
+    /// Squared distance of each candidate, m².
+    pub squares: Vec<f64>,
+    most: Vec<Most>,
+}
+
+/// What is greatest in a block.
+#[derive(Clone, Copy)]
+struct Most {
+    /// Squared distance.
+    square: f64,
+    /// Weighted squared distance, and the first candidate that has it.
+    weighted: f64,
+    candidate: u32,
+}
+
+impl Most {
+    fn of(members: &[u32], squares: &[f64], weights: &[f64]) -> Self {
+        let mut most = Self {
+            square: 0.0,
+            weighted: f64::NEG_INFINITY,
+            candidate: members[0],
+        };
+        for &i in members {
+            let square = squares[i as usize];
+            most.square = most.square.max(square);
+            let weighted = weighted(square, weights[i as usize]);
+            if most.is_behind(weighted, i) {
+                (most.weighted, most.candidate) = (weighted, i);
+            }
         }
-        next = farthest(squares.iter().zip(&squared).map(|(s, &w)| weighted(*s, w)));
+        most
+    }
+
+    /// Whether candidate `i` comes first; of equals the lower index does.
+    fn is_behind(&self, weighted: f64, i: u32) -> bool {
+        weighted > self.weighted || weighted == self.weighted && i < self.candidate
+    }
+}
+
+impl<'a> Far<'a> {
+    /// Of `candidates`, of which there is one, from `taken`.
+    pub fn new(candidates: &'a [DVec3], weights: &'a [f64], taken: &[DVec3]) -> Self {
+        let nearest = |p: &DVec3| {
+            let squares = taken.iter().map(|t| t.distance_squared(*p));
+            squares.fold(f64::INFINITY, f64::min)
+        };
+        let squares: Vec<f64> = candidates.iter().map(nearest).collect();
+        let blocks = Blocks::new(candidates);
+        let most = |(_, members): (_, &[u32])| Most::of(members, &squares, weights);
+        Self {
+            most: blocks.iter().map(most).collect(),
+            candidates,
+            weights,
+            blocks,
+            squares,
+        }
+    }
+
+    /// Takes `point`. A block whose box is farther from it than its candidates are from others stays as it is.
+    pub fn take(&mut self, point: DVec3) {
+        for ((block, members), most) in self.blocks.iter().zip(&mut self.most) {
+            if block.distance_squared(point) >= most.square {
+                continue;
+            }
+            for &i in members {
+                let square = &mut self.squares[i as usize];
+                *square = square.min(self.candidates[i as usize].distance_squared(point));
+            }
+            *most = Most::of(members, &self.squares, self.weights);
+        }
+    }
+
+    /// Where to begin: with nothing taken, at the candidate farthest from the mean of all.
+    pub fn first(&self, taken: &[DVec3]) -> usize {
+        if !taken.is_empty() {
+            return self.farthest();
+        }
+        let mean = self.candidates.iter().sum::<DVec3>() / self.candidates.len() as f64;
+        let from_mean = self.candidates.iter().zip(self.weights);
+        farthest(from_mean.map(|(p, &w)| weighted(p.distance_squared(mean), w)))
+    }
+
+    /// Weighted squared distance of a candidate, m².
+    pub fn weighted(&self, candidate: usize) -> f64 {
+        weighted(self.squares[candidate], self.weights[candidate])
+    }
+
+    /// The candidate of greatest weighted distance, the first of equals.
+    pub fn farthest(&self) -> usize {
+        let first = self.most.iter().copied().reduce(|best, m| {
+            if best.is_behind(m.weighted, m.candidate) {
+                m
+            } else {
+                best
+            }
+        });
+        first.map_or(0, |m| m.candidate as usize)
     }
 }
 
@@ -103,6 +203,31 @@ mod tests {
             chosen.len() == 50 && covering <= packing,
             "{covering} {packing}"
         );
+    }
+
+    #[test]
+    fn the_choice_is_that_of_a_full_search() {
+        let mut random = Random::new(2);
+        // Each twice, so that there are equals; some of no weight.
+        let candidates: Vec<DVec3> = (0..400).map(|_| random.vector(1.0)).collect();
+        let candidates = candidates.repeat(2);
+        let weights: Vec<f64> = (0..800)
+            .map(|_| random.uniform(-0.2, 1.0).max(0.0))
+            .collect();
+        let mut taken = vec![DVec3::splat(0.3), DVec3::X];
+        let chosen = weighted_farthest_points(&candidates, &weights, &taken, Density::Count(90));
+        for i in chosen {
+            let distance = |(p, w): (&DVec3, &f64)| {
+                let squares = taken.iter().map(|t| t.distance_squared(*p));
+                weighted(squares.fold(f64::INFINITY, f64::min), *w)
+            };
+            assert_eq!(
+                i as usize,
+                farthest(candidates.iter().zip(&weights).map(distance))
+            );
+            taken.push(candidates[i as usize]);
+        }
+        assert_eq!(taken.len(), 92);
     }
 
     #[test]

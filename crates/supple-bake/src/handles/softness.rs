@@ -9,8 +9,8 @@ use crate::math::NearestPoint;
 use glam::DVec3;
 use supple::internal::math::par_map;
 
-/// Below this softness no handle stands by itself.
-pub(crate) const STIFF: f64 = 0.2;
+/// Below this softness no handle stands by itself: tissue sways with the square of its depth, a tenth of what is deep.
+pub(crate) const STIFF: f64 = 0.3;
 
 /// The part of the skin's area that counts as deep in full.
 const DEEPEST_AREA: f64 = 0.15;

@@ -5,9 +5,8 @@
 //! of the median distance between the axis and the skin that follows the bone. An axis is cut to where its
 //! capsule stays well inside the skin; a bone that the skin does not follow has none.
 
-use super::bone_nodes::closest_point;
 use super::sound_skin::SoundSkin;
-use crate::math::winding_number;
+use crate::math::TriangleTree;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use supple::internal::math::{Rows, par_map};
@@ -147,12 +146,8 @@ pub fn bone_axes(
             wanted_axes(skeleton, j, around, size)
         })
         .collect();
-    let triangles = |t: usize| skin.surface.corners(t);
-    let fitted = par_map(wanted.len(), |i| {
-        fit(wanted[i], || {
-            (0..skin.surface.triangles.len()).map(triangles)
-        })
-    });
+    let triangles = TriangleTree::of(&skin.surface);
+    let fitted = par_map(wanted.len(), |i| fit(wanted[i], &triangles));
     fitted.into_iter().flatten().collect()
 }
 
@@ -229,19 +224,15 @@ pub(crate) fn median(values: &[f64]) -> f64 {
 
 /// Cuts an axis to the longest run of places where its capsule stays inside, and thins it where
 /// that is less than half of what lies inside.
-fn fit<I: Iterator<Item = [DVec3; 3]>>(
-    axis: BoneAxis,
-    triangles: impl Fn() -> I,
-) -> Option<BoneAxis> {
+fn fit(axis: BoneAxis, skin: &TriangleTree) -> Option<BoneAxis> {
     let station = |i: usize| axis.ends[0].lerp(axis.ends[1], i as f64 / (STATIONS - 1) as f64);
     let room: Vec<f64> = (0..STATIONS)
         .map(|i| {
             let place = station(i);
-            if winding_number(place, triangles()) < 0.5 {
+            if skin.winding_number(place) < 1 {
                 return 0.0;
             }
-            let distances = triangles().map(|t| closest_point(place, &t).distance_squared(place));
-            MOST_CORE * distances.fold(f64::INFINITY, f64::min).sqrt()
+            MOST_CORE * skin.distance(place)
         })
         .collect();
     let inside = room.iter().filter(|r| **r > 0.0).count();

@@ -2,6 +2,7 @@
 
 use super::bcc::BccLattice;
 use super::scanlines::Grid;
+use crate::math::closest_point;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use supple::model::Surface;
@@ -87,27 +88,4 @@ pub(super) fn nodes_near(
         }
     }
     near
-}
-
-/// The place of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, §5.1.5).
-pub(super) fn closest_point(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    let (ab, ac) = (b - a, c - a);
-    let normal = ab.cross(ac);
-    let on_segment = |from: DVec3, to: DVec3| {
-        let edge = to - from;
-        let u = (p - from).dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE);
-        from + u.clamp(0.0, 1.0) * edge
-    };
-    let area = normal.length_squared();
-    // Barycentric coordinates of the projection.
-    let v = normal.dot((p - a).cross(ac)) / area;
-    let w = normal.dot(ab.cross(p - a)) / area;
-    if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
-        return a + v * ab + w * ac;
-    }
-    let candidates = [on_segment(a, b), on_segment(b, c), on_segment(c, a)];
-    let distance = |q: &DVec3| (*q - p).length_squared();
-    (candidates.into_iter())
-        .min_by(|x, y| distance(x).total_cmp(&distance(y)))
-        .unwrap_or(a)
 }

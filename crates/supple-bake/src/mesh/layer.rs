@@ -1,13 +1,13 @@
 //! A body's layer from one of the meshers, with its report.
 
 use super::bone_axes::{axis_surfaces, bone_axes, leading_bones, median};
-use super::bone_nodes::closest_point;
 use super::lattice::{LatticeSize, lattice_in};
 use super::prism_shell::prism_shell;
 use super::sound_skin::SoundSkin;
 use super::thickness::{ShellOptions, thickness};
 use super::{MeshQuality, MeshReport};
 use crate::body::{Body, LayerMesh};
+use crate::math::TriangleTree;
 use supple::internal::math::par_map;
 use supple::{Error, Result};
 
@@ -34,19 +34,13 @@ pub(crate) fn mesh_lattice(body: &mut Body, size: LatticeSize, why: &str) -> Res
         .map(|rim| most_common(rim, &leading))
         .collect();
     body.layer = lattice_in(&sound, &ends, &body.bone_surfaces, size)?;
-    let bones: Vec<_> = (body.bone_surfaces.iter())
-        .flat_map(|bone| (0..bone.triangles.len()).map(|t| bone.corners(t)))
-        .collect();
+    let bones = (body.bone_surfaces.iter())
+        .flat_map(|bone| (0..bone.triangles.len()).map(|t| bone.corners(t)));
+    let bones = TriangleTree::new(bones);
     let depth = par_map(body.skin.positions.len(), |v| {
-        let place = body.skin.positions[v];
-        let squares = bones
-            .iter()
-            .map(|t| closest_point(place, t).distance_squared(place));
-        let bare = body.layer.skin_embedding.row(v).is_empty();
-        if bare {
-            0.0
-        } else {
-            squares.fold(f64::INFINITY, f64::min).sqrt()
+        match body.layer.skin_embedding.row(v) {
+            [] => 0.0,
+            _ => bones.distance(body.skin.positions[v]),
         }
     });
     let mut report = report(body, &sound, &depth);
@@ -62,7 +56,7 @@ pub(crate) fn mesh_shell(body: &mut Body, options: &ShellOptions, why: &str) -> 
     let axes = bone_axes(&body.skeleton, &sound, &body.skinning);
     let mut depth = thickness(body, &sound, &axes, options);
     let layers = options.layers_for(sound.skin_triangles);
-    body.layer = prism_shell(&sound, &leading, &mut depth, layers);
+    body.layer = prism_shell(&sound, &leading, &mut depth, layers)?;
     if body.layer.mesh.tets.is_empty() {
         let problem = "leaves no room for a layer: it is folded or flat everywhere";
         return Err(Error::invalid("skin", problem));

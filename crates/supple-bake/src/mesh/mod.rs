@@ -9,6 +9,7 @@
 mod bcc;
 mod bone_axes;
 mod bone_nodes;
+mod columns;
 mod disjoint_sets;
 mod lattice;
 mod layer;
@@ -21,10 +22,13 @@ mod report;
 mod samples;
 mod scanlines;
 mod self_intersections;
+mod skin_filter;
 mod skin_points;
 mod sound_skin;
 mod thickness;
+mod thin_spots;
 
+pub(crate) use bone_axes::{extent, leading_bones, median};
 pub use disjoint_sets::DisjointSets;
 pub use lattice::{LatticeSize, lattice};
 pub(crate) use layer::{mesh_lattice, mesh_shell};
@@ -35,3 +39,5 @@ pub use report::{Hole, MeshReport, SkinReport};
 pub(crate) use scanlines::Grid;
 pub(crate) use sound_skin::SoundSkin;
 pub use thickness::ShellOptions;
+pub(crate) use thickness::neighbours;
+pub(crate) use thin_spots::closed;

@@ -1,65 +1,43 @@
 //! The soft layer of a skin without bone surfaces: prisms between the skin and a surface under it.
 //!
-//! Every vertex has a column: the way that it takes as the skin sinks. Where a tet of a prism would invert, or nearly, its columns become shorter; a column
-//! that gets too short vanishes, and the layer ends there: the bone holds the skin.
+//! Every vertex has a column: the way that it takes as the skin sinks ([`paths`]). How far each goes is in `columns`.
 
+use super::columns::{Columns, STEPS};
+use super::skin_filter::SkinFilter;
 use super::sound_skin::SoundSkin;
-use super::thickness::{limit_slope, neighbours};
 use crate::body::LayerMesh;
 use glam::DVec3;
-use supple::internal::math::par_map;
-use supple::model::{Surface, TetMesh};
+use supple::Result;
+use supple::model::Surface;
 
-/// A tet must keep this part of the volume that it would have if its three columns were parallel.
-const LEAST_VOLUME: f64 = 0.1;
+/// What is smaller than this part of the depth does not turn columns, and fades as the skin sinks.
+const SMALL: f64 = 0.7;
 
-/// Factor on a column whose tets invert.
-const SHRINKING: f64 = 0.8;
-
-/// Rounds of shrinking, after which a column that still fails vanishes at once.
-const SHRINKING_ROUNDS: usize = 60;
-
-/// A column vanishes when it is shorter than this part of the mean edge around its vertex.
-const LEAST_DEPTH: f64 = 0.1;
-
-/// Greatest difference of two columns, relative to the length of the edge between them.
-const SLOPE: f64 = 1.0;
-
-/// Pieces of a column's path.
-const STEPS: usize = 16;
-
-/// Rounds of averaging of the normals at each of these.
-const NORMAL_SMOOTHING: usize = 3;
-
-/// The part of the way to the middle of its neighbours that a vertex then goes, less what they go themselves.
-const PLACE_SMOOTHING: f64 = 0.25;
-
-/// Smoothing is in full where a step is longer than this part of the mean edge around a vertex.
-const SMOOTHED: f64 = 0.2;
+/// The part of it that fades with each of a path's pieces.
+const FADING: f64 = 0.05;
 
 /// Meshes the layer under `sound`, `depth` deep (as asked for on entry, as made on return; 0 where the
 /// layer ends), in `layers` layers. `bones` holds the inner surface, the rims of holes and the ends of the
 /// layer, vertex by vertex. Nodes go layer by layer in the order of the vertices, the skin's first.
+///
+/// # Errors
+/// [`supple::Error::Solve`] where numbers are out of range.
 pub(super) fn prism_shell(
     sound: &SoundSkin,
     bones: &[u32],
     depth: &mut Vec<f64>,
     layers: usize,
-) -> LayerMesh {
+) -> Result<LayerMesh> {
     let skin = sound.skin();
     let vertices = skin.positions.len();
     let columns = Columns {
-        paths: paths(&skin, depth),
+        paths: paths(&skin, depth)?,
         wanted: depth.clone(),
         layers,
-        areas: (0..skin.triangles.len())
-            .map(|t| skin.area_vector(t).length())
-            .collect(),
         tets: prism_tets(&skin.triangles, vertices, layers),
         skin,
     };
-    columns.shorten(depth);
-    let mesh = columns.mesh(depth);
+    let mesh = columns.sound_mesh(depth);
 
     // Only what tets use; those of vanished columns are the skin's.
     let mut used = vec![false; mesh.nodes.len()];
@@ -84,168 +62,33 @@ pub(super) fn prism_shell(
     *depth = (0..vertices)
         .map(|v| if used[twin(v)] { depth[twin(v)] } else { 0.0 })
         .collect();
-    layer
-}
-
-/// The columns of a shell and the tets between them.
-struct Columns {
-    skin: Surface,
-    /// Along each column, as deep as wanted.
-    paths: Vec<[DVec3; STEPS + 1]>,
-    /// That depth, m.
-    wanted: Vec<f64>,
-    layers: usize,
-    /// Of the skin's triangles, m².
-    areas: Vec<f64>,
-    /// Node l · vertices + v lies in column v at level l.
-    tets: Vec<[u32; 4]>,
-}
-
-impl Columns {
-    /// Shortens columns until every tet is sound.
-    fn shorten(&self, depth: &mut [f64]) {
-        let least: Vec<f64> = (mean_edges(&self.skin).iter())
-            .map(|edge| LEAST_DEPTH * edge)
-            .collect();
-        for round in 0.. {
-            limit_slope(&self.skin, depth, SLOPE);
-            for (depth, least) in depth.iter_mut().zip(&least) {
-                if depth.is_nan() || *depth < *least {
-                    *depth = 0.0;
-                }
-            }
-            let failing = self.failing(depth);
-            if !failing.contains(&true) {
-                return;
-            }
-            let factor = if round < SHRINKING_ROUNDS {
-                SHRINKING
-            } else {
-                0.0
-            };
-            for (depth, _) in depth.iter_mut().zip(failing).filter(|(_, f)| *f) {
-                *depth *= factor;
-            }
-        }
-    }
-
-    /// The columns of tets that are inverted or nearly so. A tet holds two nodes of one of its three
-    /// columns; with parallel columns its volume is a third of the triangle's area times their distance.
-    fn failing(&self, depth: &[f64]) -> Vec<bool> {
-        let vertices = depth.len();
-        let mesh = self.mesh_of_all(depth);
-        let per_layer = 3 * self.skin.triangles.len();
-        let mut failing = vec![false; vertices];
-        for (t, tet) in mesh.tets.iter().enumerate() {
-            let columns = tet.map(|n| n as usize % vertices);
-            let Some(own) = twin(&columns).filter(|&v| depth[v] > 0.0) else {
-                continue;
-            };
-            let straight = self.areas[t % per_layer / 3] * depth[own] / (3 * self.layers) as f64;
-            let volume = mesh.volume(t);
-            if volume.is_nan() || volume <= LEAST_VOLUME * straight {
-                columns.iter().for_each(|&v| failing[v] = true);
-            }
-        }
-        failing
-    }
-
-    fn mesh_of_all(&self, depth: &[f64]) -> TetMesh {
-        let vertices = depth.len();
-        let node = |n: usize| {
-            let (level, v) = (n / vertices, n % vertices);
-            let along = depth[v] / self.wanted[v].max(f64::MIN_POSITIVE) * level as f64
-                / self.layers as f64
-                * STEPS as f64;
-            let piece = (along as usize).min(STEPS - 1);
-            self.paths[v][piece].lerp(self.paths[v][piece + 1], along - piece as f64)
-        };
-        TetMesh {
-            nodes: (0..(self.layers + 1) * vertices).map(node).collect(),
-            tets: self.tets.clone(),
-        }
-    }
-
-    /// The mesh with the nodes of vanished columns merged into the skin's and the tets along them left
-    /// out.
-    fn mesh(&self, depth: &[f64]) -> TetMesh {
-        let vertices = depth.len();
-        let mut mesh = self.mesh_of_all(depth);
-        let merged = |n: u32| {
-            let v = n as usize % vertices;
-            if depth[v] > 0.0 { n } else { v as u32 }
-        };
-        mesh.tets = (mesh.tets.iter())
-            .filter(|tet| {
-                let own = twin(&tet.map(|n| n as usize % vertices));
-                own.is_some_and(|v| depth[v] > 0.0)
-            })
-            .map(|tet| tet.map(merged))
-            .collect();
-        mesh
-    }
-}
-
-/// Mean length of the edges around each vertex, m.
-fn mean_edges(skin: &Surface) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0); skin.positions.len()];
-    for &[a, b, c] in &skin.triangles {
-        for (u, v) in [(a, b), (b, c), (c, a)].map(|(u, v)| (u as usize, v as usize)) {
-            let length = skin.positions[u].distance(skin.positions[v]);
-            for w in [u, v] {
-                sums[w].0 += length;
-                sums[w].1 += 1;
-            }
-        }
-    }
-    let mean = |&(sum, count): &(f64, usize)| sum / count.max(1) as f64;
-    sums.iter().map(mean).collect()
-}
-
-/// The value that occurs twice.
-fn twin(values: &[usize; 4]) -> Option<usize> {
-    (0..4).find_map(|i| values[i + 1..].contains(&values[i]).then_some(values[i]))
+    Ok(layer)
 }
 
 /// The ways down from the vertices of a skin, `depth` long: each a polyline of [`STEPS`] equal pieces.
 ///
-/// The skin sinks in small steps along its normals, and is smoothed as it sinks, so that what is small (a
-/// nipple, a wrinkle) does not narrow what lies below it.
-fn paths(skin: &Surface, depth: &[f64]) -> Vec<[DVec3; STEPS + 1]> {
-    let neighbours = neighbours(skin);
-    let mean = |values: &[DVec3], v: usize| {
-        let row = neighbours.row(v);
-        row.iter().map(|&u| values[u as usize]).sum::<DVec3>() / row.len().max(1) as f64
-    };
+/// The skin sinks in small steps along its normals. What is small for the depth (a nipple, a wrinkle) neither turns
+/// them, nor stays: it would close on itself long before.
+fn paths(skin: &Surface, depth: &[f64]) -> Result<Vec<[DVec3; STEPS + 1]>> {
+    let lengths: Vec<f64> = depth.iter().map(|d| SMALL * d).collect();
+    let filter = SkinFilter::new(skin, &lengths)?;
     let mut sinking = skin.clone();
     let mut paths: Vec<[DVec3; STEPS + 1]> =
         skin.positions.iter().map(|&p| [p; STEPS + 1]).collect();
-    // A layer that is thin compared with its triangles follows the skin as it is.
-    let smoothing: Vec<f64> = (mean_edges(skin).iter().zip(depth))
-        .map(|(edge, depth)| (depth / (STEPS as f64 * SMOOTHED * edge)).clamp(0.0, 1.0))
-        .collect();
     for step in 1..=STEPS {
-        let mut normals = sinking.vertex_normals();
-        for _ in 0..NORMAL_SMOOTHING {
-            normals = par_map(normals.len(), |v| {
-                (normals[v] + smoothing[v] * mean(&normals, v)).normalize_or_zero()
-            });
+        let normals = filter.smooth(&sinking.vertex_normals());
+        for ((place, normal), depth) in sinking.positions.iter_mut().zip(normals).zip(depth) {
+            *place -= depth / STEPS as f64 * normal.normalize_or_zero();
         }
-        let before = &sinking.positions;
-        let sunk = par_map(before.len(), |v| {
-            before[v] - depth[v] / STEPS as f64 * normals[v]
-        });
-        let off = par_map(sunk.len(), |v| mean(&sunk, v) - sunk[v]);
-        sinking.positions = par_map(sunk.len(), |v| match neighbours.row(v) {
-            [] => sunk[v],
-            // What all of them are off by is the surface's own curvature.
-            _ => sunk[v] + PLACE_SMOOTHING * smoothing[v] * (off[v] - mean(&off, v)),
-        });
+        let smooth = filter.without_small(&sinking.positions);
+        for (place, smooth) in sinking.positions.iter_mut().zip(smooth) {
+            *place += FADING * (smooth - *place);
+        }
         for (path, &place) in paths.iter_mut().zip(&sinking.positions) {
             path[step] = place;
         }
     }
-    paths
+    Ok(paths)
 }
 
 /// Three tets for every prism. Each side is cut by the diagonal from its smallest vertex, so that
@@ -330,7 +173,7 @@ mod tests {
         let sound = SoundSkin::new(skin).unwrap();
         let mut depth = vec![thickness; skin.positions.len()];
         let bones = vec![0; skin.positions.len()];
-        let layer = prism_shell(&sound, &bones, &mut depth, layers);
+        let layer = prism_shell(&sound, &bones, &mut depth, layers).unwrap();
         layer.validate(skin.positions.len(), 1).unwrap();
         assert_eq!(MeshQuality::of(&layer.mesh).inverted, 0);
         (layer, depth)
@@ -373,16 +216,56 @@ mod tests {
         }
         let (_, made) = shell(&skin, 0.02, 3);
         let least = made.iter().copied().fold(1.0, f64::min);
-        assert!(least < 0.01, "{made:?}");
+        assert!(least < 0.012, "{made:?}");
         let bare = made.iter().filter(|d| **d == 0.0).count();
         assert!(20 * bare < made.len(), "{bare}");
+    }
+
+    /// A breast as bodies are modelled: a dome, and on top of it triangles a tenth as long as around it. Their columns
+    /// run to one place long before they are as deep as the dome's.
+    #[test]
+    fn fine_triangles_on_a_dome_stay_over_deep_tissue() {
+        let mut skin = sphere(0.1, 5);
+        for p in &mut skin.positions {
+            let polar = p.angle_between(DVec3::Z);
+            // What is within 0.5 of the pole moves towards it; a dome of 25 mm in radius rises there.
+            if polar < 0.5 {
+                let finer = polar * (0.1 + 0.9 * polar / 0.5);
+                let (sine, cosine) = finer.sin_cos();
+                let around = p.truncate().normalize_or_zero();
+                let rise = 0.03 * (1.0 - (finer / 0.28).powi(2)).max(0.0).sqrt();
+                *p = (0.1 + rise) * (sine * around.extend(0.0) + DVec3::Z * cosine);
+            }
+        }
+        let wanted = 0.045;
+        let (layer, made) = shell(&skin, wanted, 1);
+        let tip = (0..made.len()).max_by(|&a, &b| {
+            let height = |v: usize| skin.positions[v].z;
+            height(a).total_cmp(&height(b))
+        });
+        let least = made.iter().copied().fold(1.0, f64::min);
+        println!(
+            "{} nodes, tip {:?}, least {least}",
+            layer.mesh.nodes.len(),
+            tip.map(|v| made[v])
+        );
+        assert!(made[tip.unwrap()] > 0.75 * wanted && least > 0.5 * wanted);
+        // The skin itself is free everywhere.
+        for row in layer.skin_embedding.iter() {
+            assert!(
+                row.iter()
+                    .all(|&(n, _)| layer.bone_of_node[n as usize].is_none())
+            );
+        }
     }
 
     #[test]
     fn the_layer_ends_where_no_column_fits() {
         let mut skin = sphere(0.02, 3);
-        // A vertex pushed through the opposite side: its triangles are needles that cut everything.
-        skin.positions[7] *= -1.5;
+        // A vertex drawn far over its neighbours: triangles look inward that no column can be inside of.
+        let at = skin.positions[70];
+        let aside = at.any_orthonormal_vector();
+        skin.positions[70] = 0.02 * (at.normalize() + 0.8 * aside).normalize();
         let (layer, made) = shell(&skin, 0.005, 2);
         let gone: Vec<usize> = (0..made.len()).filter(|&v| made[v] == 0.0).collect();
         assert!(!gone.is_empty() && gone.len() < 20, "{gone:?}");

@@ -6,7 +6,9 @@
 
 use super::bone_axes::{BoneAxis, extent};
 use super::sound_skin::SoundSkin;
+use super::thin_spots::close_thin_spots;
 use crate::body::Body;
+use crate::math::Blocks;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -19,7 +21,7 @@ use supple::{Error, Result};
 #[serde(deny_unknown_fields, default)]
 pub struct ShellOptions {
     /// Greatest depth of the layer, m; by default 4 % of the skin's largest extent, 0.6 % on a head (a bone so
-    /// named, and those that hang on it).
+    /// named, or where there is none the last of several that are named neck, and those that hang on it).
     pub thickness: Option<f64>,
     /// Depth under the skin that follows a bone, by the bone's name, m.
     pub thickness_of_bone: BTreeMap<String, f64>,
@@ -50,12 +52,6 @@ const OVER_BONES: f64 = 0.15;
 
 /// Cosine between two normals that face away from each other.
 const FACING_AWAY: f64 = -0.17;
-
-/// Thin spots of up to twice this size are as deep as what lies around them; relative to the skin's extent.
-const SPOT: f64 = 0.008;
-
-/// Vertices of such a spot at most: finer skins have their wrinkles.
-const DISC: usize = 200;
 
 /// Greatest change of depth along an edge, relative to its length.
 const SLOPE: f64 = 0.5;
@@ -128,7 +124,9 @@ pub(crate) fn thickness(
         Some(_) => vec![0.0; radius.len()],
     };
     let automatic = par_map(radius.len(), |v| {
-        let most = most * (1.0 - on_head[v] * (1.0 - ON_HEADS / THICKNESS));
+        // A head that carries a little of its neck's weights is a head.
+        let head = on_head[v] * on_head[v] * (3.0 - 2.0 * on_head[v]);
+        let most = most * (1.0 - head * (1.0 - ON_HEADS / THICKNESS));
         let room = (axes.iter().map(|axis| axis.distance(skin.positions[v])))
             .fold(f64::INFINITY, f64::min)
             .max(OVER_BONES * radius[v]);
@@ -144,55 +142,12 @@ pub(crate) fn thickness(
             (told + (1.0 - weight).max(0.0) * base).min(limit)
         })
         .collect();
-    close_thin_spots(&skin, &mut depth);
+    let around = neighbours(&skin);
+    close_thin_spots(&skin, &around, &mut depth);
     limit_slope(&skin, &mut depth, SLOPE);
-    smooth(&skin, &mut depth);
+    smooth(&around, &mut depth);
     limit_slope(&skin, &mut depth, SLOPE);
     depth
-}
-
-/// Raises the depth of thin spots that are small, such as a nipple on its breast, to that around them: a
-/// closing (the least over a disc of the greatest over a disc), which leaves what is thin over a finger's
-/// length as it is.
-fn close_thin_spots(skin: &Surface, depth: &mut Vec<f64>) {
-    let around = neighbours(skin);
-    let reach = SPOT * extent(skin);
-    let discs = par_map(depth.len(), |v| disc(skin, &around, v as u32, reach));
-    let over = |depth: &[f64], better: fn(f64, f64) -> f64| -> Vec<f64> {
-        let disc = |disc: &Vec<u32>| disc.iter().map(|&v| depth[v as usize]).reduce(better);
-        discs
-            .iter()
-            .zip(depth)
-            .map(|(d, &own)| disc(d).unwrap_or(own))
-            .collect()
-    };
-    *depth = over(&over(depth, f64::max), f64::min);
-}
-
-/// The vertices that are no farther from `centre` than `reach` along edges, up to [`DISC`] of them.
-fn disc(skin: &Surface, around: &Rows<u32>, centre: u32, reach: f64) -> Vec<u32> {
-    // Distances fit in a sorted list: discs are small.
-    let mut open = vec![(0.0, centre)];
-    let mut done: Vec<u32> = Vec::new();
-    while let Some((distance, v)) = open.pop() {
-        if done.contains(&v) {
-            continue;
-        }
-        done.push(v);
-        if done.len() == DISC {
-            break;
-        }
-        for &u in around.row(v as usize) {
-            let step = skin.positions[u as usize].distance(skin.positions[v as usize]);
-            if distance + step <= reach && !done.contains(&u) {
-                // The nearest last; equals by their number.
-                let entry = (distance + step, u);
-                let at = open.partition_point(|o| o.0 > entry.0 || o.0 == entry.0 && o.1 > u);
-                open.insert(at, entry);
-            }
-        }
-    }
-    done
 }
 
 /// Radius of the largest ball that touches the skin at each vertex from inside, m: the least
@@ -200,24 +155,52 @@ fn disc(skin: &Surface, around: &Rows<u32>, centre: u32, reach: f64) -> Vec<u32>
 /// deep as the body behind it, and not as its own curvature). No more than the skin's extent.
 fn local_radius(skin: &Surface, normals: &[DVec3]) -> Vec<f64> {
     let most = extent(skin);
+    let blocks = Blocks::new(&skin.positions);
     par_map(skin.positions.len(), |v| {
         let (p, n) = (skin.positions[v], normals[v]);
-        (skin.positions.iter().zip(normals))
-            .filter(|&(_, other)| n.dot(*other) < FACING_AWAY)
-            .map(|(q, _)| (p - *q, n.dot(p - *q)))
-            .filter(|&(_, height)| height > 0.0)
-            .map(|(offset, height)| offset.length_squared() / (2.0 * height))
-            .fold(most, f64::min)
+        let mut radius = most;
+        for (block, members) in blocks.iter() {
+            // What lies outside the ball so far would touch a larger one.
+            let reach = radius * (1.0 + 1e-9);
+            if block.distance_squared(p - radius * n) > reach * reach {
+                continue;
+            }
+            for &q in members {
+                let offset = p - skin.positions[q as usize];
+                let height = n.dot(offset);
+                if n.dot(normals[q as usize]) < FACING_AWAY && height > 0.0 {
+                    radius = radius.min(offset.length_squared() / (2.0 * height));
+                }
+            }
+        }
+        radius
     })
 }
 
-/// Bones that are called head, and all that hang on them.
+/// Bones that are called head, or where none is the last ones that are called neck; and all that hang on them.
 fn head_bones(skeleton: &Skeleton) -> Vec<bool> {
-    let mut heads: Vec<bool> = (skeleton.names.iter())
-        .map(|name| name.to_lowercase().contains("head"))
-        .collect();
-    for (alias, bone) in &skeleton.aliases {
-        heads[*bone as usize] |= alias.to_lowercase().contains("head");
+    let called = |what: &str| {
+        let mut found: Vec<bool> = (skeleton.names.iter())
+            .map(|name| name.to_lowercase().contains(what))
+            .collect();
+        for (alias, bone) in &skeleton.aliases {
+            found[*bone as usize] |= alias.to_lowercase().contains(what);
+        }
+        found
+    };
+    let mut heads = called("head");
+    if !heads.contains(&true) {
+        heads = called("neck");
+        for (j, parent) in skeleton.parents.iter().enumerate() {
+            if let Some(p) = parent.filter(|_| heads[j]) {
+                heads[p as usize] = false;
+            }
+        }
+        // The only bone of a neck carries the neck as well.
+        for (j, parent) in skeleton.parents.iter().enumerate() {
+            let of_neck = |p: &u32| skeleton.names[*p as usize].to_lowercase().contains("neck");
+            heads[j] &= parent.as_ref().is_some_and(of_neck);
+        }
     }
     for (j, parent) in skeleton.parents.iter().enumerate() {
         heads[j] |= parent.is_some_and(|p| heads[p as usize]);
@@ -255,8 +238,7 @@ pub(super) fn limit_slope(skin: &Surface, depth: &mut [f64], slope: f64) {
 }
 
 /// Averages over neighbours, which evens out what single vertices miss.
-fn smooth(skin: &Surface, depth: &mut Vec<f64>) {
-    let around = neighbours(skin);
+fn smooth(around: &Rows<u32>, depth: &mut Vec<f64>) {
     for _ in 0..SMOOTHING {
         *depth = (around.iter().zip(&*depth))
             .map(|(row, &own)| match row {
@@ -271,7 +253,7 @@ fn smooth(skin: &Surface, depth: &mut Vec<f64>) {
 }
 
 /// The vertices that share an edge with each vertex, rising.
-pub(super) fn neighbours(skin: &Surface) -> Rows<u32> {
+pub(crate) fn neighbours(skin: &Surface) -> Rows<u32> {
     let mut around: Vec<Vec<u32>> = vec![Vec::new(); skin.positions.len()];
     for &[a, b, c] in &skin.triangles {
         for (u, v) in [(a, b), (b, c), (c, a)] {

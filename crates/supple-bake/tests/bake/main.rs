@@ -1,6 +1,7 @@
 //! Baking: a limb, a finger and a hand from mesh to file.
 
 mod basis;
+mod bodies;
 mod cubature;
 mod errors;
 mod file;

@@ -102,6 +102,23 @@ fn write_character(path: &Path) {
     write_smpl(&model, path).unwrap();
 }
 
+/// Standard error is no terminal here.
+#[test]
+fn a_bake_tells_each_phase_in_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    write_character(&folder.path().join("me.npz"));
+    let output = crate::supple(folder.path(), &["bake", "me.npz", "--no-pictures"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    let lines: Vec<&str> = told
+        .lines()
+        .filter(|line| line.starts_with("me: "))
+        .collect();
+    assert_eq!(lines.len(), supple_bake::PHASES.len() + 1, "{told}");
+    for (line, phase) in lines.iter().zip(supple_bake::PHASES) {
+        assert!(line.contains(phase), "{line}");
+    }
+}
+
 #[test]
 fn a_character_file_bakes_with_no_recipe_and_with_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -114,7 +131,7 @@ fn a_character_file_bakes_with_no_recipe_and_with_one() {
     );
     let json = good(path, &["bake", "me.npz", "--json"]);
     let plain: serde_json::Value = serde_json::from_str(&json).unwrap();
-    for picture in ["handles", "basis", "cubature", "skin_weights"] {
+    for picture in ["tissue", "handles", "basis", "cubature", "skin_weights"] {
         let bytes = std::fs::read(path.join(format!("out/me.bake/{picture}.png"))).unwrap();
         assert!(bytes.starts_with(b"\x89PNG"), "{picture}");
     }

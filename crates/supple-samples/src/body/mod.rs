@@ -25,9 +25,11 @@ mod soft;
 mod trunk;
 mod weights;
 
+use crate::kept::kept;
 use crate::pose_columns::pose_columns;
 use crate::regressor::{joint_regressor, ring_share};
 use glam::DVec3;
+use std::sync::Mutex;
 use supple::Result;
 use supple::model::{JointRange, SkinWeight};
 use supple_bake::{Joints, ParametricModel};
@@ -62,12 +64,17 @@ fn closeness(joints: &[DVec3], j: usize, position: DVec3, row: &[SkinWeight]) ->
     }
 }
 
-/// Makes the body; the same bits every time.
+/// The body, made once in a process; the same bits every time.
 ///
 /// # Errors
 /// [`supple::Error::Solve`] where a fit fails and [`supple::Error::Invalid`] where the skin cannot be
 /// remeshed to its count; neither happens with the built-in dimensions.
 pub fn body() -> Result<SampleBody> {
+    static MADE: Mutex<Option<SampleBody>> = Mutex::new(None);
+    kept(&MADE, make)
+}
+
+fn make() -> Result<SampleBody> {
     let joints = anatomy::joints();
     let shape = shape::BodyShape::new();
     let skin = skin::skin(&shape)?;

@@ -27,8 +27,10 @@ pub(super) use anatomy::digits;
 pub use grasp::grasp;
 pub(super) use shape::HandShape;
 
+use crate::kept::kept;
 use crate::pose_columns::pose_columns;
 use crate::regressor::{joint_regressor, ring_share};
+use std::sync::Mutex;
 use supple::Result;
 use supple::model::{JointRange, SkinWeight, Surface};
 use supple_bake::{Joints, ParametricModel};
@@ -59,12 +61,17 @@ fn closeness(j: usize, position: glam::DVec3, row: &[SkinWeight]) -> f64 {
     }
 }
 
-/// Makes the hand; the same bits every time.
+/// The hand, made once in a process; the same bits every time.
 ///
 /// # Errors
 /// [`supple::Error::Solve`] where a fit fails and [`supple::Error::Invalid`] where the skin cannot be
 /// remeshed to its count; neither happens with the built-in dimensions.
 pub fn hand() -> Result<SampleHand> {
+    static MADE: Mutex<Option<SampleHand>> = Mutex::new(None);
+    kept(&MADE, make)
+}
+
+fn make() -> Result<SampleHand> {
     let digits = digits();
     let joints = anatomy::joints(&digits);
     let shape = HandShape::new(&digits);
