@@ -26,7 +26,7 @@ fn a_layer_of_twenty_thousand_nodes_bakes() {
 
 /// The sample hand: a lattice of 20,000 nodes, 87 handles over palm and pads, 700 points.
 #[test]
-fn the_sample_hand_bakes_in_half_a_minute() {
+fn the_sample_hand_bakes() {
     let sample = hand().unwrap();
     let palmar = (0..)
         .zip(&sample.palmar)
@@ -45,15 +45,9 @@ fn the_sample_hand_bakes_in_half_a_minute() {
         ..Default::default()
     };
     let body = Body::of_model("hand", &sample.model, &[], sample.bones);
-    let start = std::time::Instant::now();
     let (avatar, report) = bake(&body, &recipe, &mut |_| {}).unwrap();
-    let seconds = start.elapsed().as_secs_f64();
-    println!(
-        "{seconds:.1} s {}",
-        serde_json::to_string_pretty(&report).unwrap()
-    );
+    println!("{}", serde_json::to_string_pretty(&report).unwrap());
     println!("{} bytes", to_bytes(&avatar, None).unwrap().len());
-    assert!(seconds < 30.0, "{:?}", report.cost.seconds);
     assert_eq!((report.handles.count, avatar.skeleton.len()), (87, 16));
     assert!(
         report.basis.linear_precision < 1e-9,
