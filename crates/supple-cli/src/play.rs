@@ -6,16 +6,17 @@ use super::glb_flags::GlbFlags;
 use super::make_folder;
 use super::motion_flags::{MotionFlags, from_file};
 use super::simulate::tell_motion;
-use super::simulate_report::{print_report, warn_of_the_implausible};
-use super::terminal::{baking_if_needed, print, print_json, tell, to_json};
+use super::simulate_report::{print_play, warn_of_the_implausible};
+use super::terminal::{baking_if_needed, bar, print, print_json, tell, to_json};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use supple::Result;
 use supple::internal::write_whole;
+use supple::model::Avatar;
 use supple_files::{CharacterFormat, FileKind, read_gltf_motions};
 use supple_pictures::picture_animation;
-use supple_scene::{AvatarSource, Report, Scene, Showing, TrackedMotion, load_avatar};
+use supple_scene::{AvatarSource, Report, Scene, SceneRun, Showing, TrackedMotion, load_avatar};
 
 /// Arguments of `supple play`.
 #[derive(clap::Args)]
@@ -37,6 +38,9 @@ pub struct Arguments {
     glb: GlbFlags,
     #[command(flatten)]
     backend: BackendFlags,
+    /// No animated picture: only the GLB file and the report.
+    #[arg(long)]
+    no_pictures: bool,
     /// Write the report to stdout as JSON.
     #[arg(long)]
     json: bool,
@@ -74,14 +78,6 @@ impl Arguments {
         let folder =
             folder.unwrap_or_else(|| Path::new("out").join(format!("{}.play", scene.name)));
         make_folder(&folder)?;
-        let pictures = &run.snapshots;
-        tell(format_args!("drawing {} pictures", pictures.len()));
-        let frame_time = match &scene.output.panels[..] {
-            [first, second, ..] => second.time - first.time,
-            _ => 1.0,
-        };
-        picture_animation(&scene, &avatar, pictures, frame_time)
-            .write_png(&folder.join("play.png"))?;
         self.glb.write(&avatar, &run.recording, &folder)?;
         let told = Told {
             showing: &showing,
@@ -89,16 +85,37 @@ impl Arguments {
         };
         write_whole(folder.join("report.json"), to_json(&told)?)?;
         warn_of_the_implausible(&run.report);
+        // Last: it takes longest, and all else is there by then.
+        if !self.no_pictures {
+            draw(&scene, &avatar, &run, &folder.join("play.png"))?;
+        }
         if self.json {
             return print_json(&told);
         }
-        print_report(&run.report);
+        print_play(&run.report);
         let folder = folder.display();
+        if !self.no_pictures {
+            print(format_args!("\n{folder}/play.png moves in a browser"));
+        }
         print(format_args!(
-            "\n{folder}/play.png moves in a browser; {folder}/avatar.glb opens in any viewer of glTF"
+            "{folder}/avatar.glb opens in any viewer of glTF"
         ));
         Ok(())
     }
+}
+
+fn draw(scene: &Scene, avatar: &Avatar, run: &SceneRun, path: &Path) -> Result<()> {
+    let frame_time = match &scene.output.panels[..] {
+        [first, second, ..] => second.time - first.time,
+        _ => 1.0,
+    };
+    let count = run.snapshots.len();
+    tell(format_args!("drawing {count} pictures"));
+    let bar = bar(count, "drawing");
+    let mut progress = |drawn| bar.set_position(drawn as u64);
+    let animation = picture_animation(scene, avatar, &run.snapshots, frame_time, &mut progress);
+    bar.finish_and_clear();
+    animation.write_png(path)
 }
 
 /// The motion that a character's own file holds, if it is a glTF file and does.

@@ -20,6 +20,35 @@ pub fn warn_of_the_implausible(r: &Report) {
     }
 }
 
+/// Writes the table of what was shown and not pressed.
+pub fn print_play(r: &Report) {
+    let times = &r.ms_per_step;
+    print_table([
+        ("backend", format!("{} ({})", r.backend, r.adapter)),
+        ("steps", format!("{} of {} s", r.steps, r.time_step)),
+        (
+            "degrees of freedom",
+            format!("{} ({} handles)", r.dofs, r.handles),
+        ),
+        (
+            "ms a step",
+            format!("{:.3} median, {:.3} p95", times.median, times.p95),
+        ),
+        (
+            "tissue off the skinned shape",
+            format!("{:.3} mm at most", r.max_unposed_displacement_mm),
+        ),
+        ("smallest det F", smallest_det_f(r)),
+        ("into the ground", format!("{:.3} mm", r.max_penetration_mm)),
+        ("joint gap", format!("{:.4} mm", r.max_joint_gap_mm)),
+    ]);
+}
+
+fn smallest_det_f(r: &Report) -> String {
+    let unknown = "not known: baked without its layer";
+    (r.min_det_f).map_or(unknown.into(), |det| format!("{det:.3}"))
+}
+
 /// Writes the table.
 pub fn print_report(r: &Report) {
     let ms = &r.breakdown_ms;
@@ -46,13 +75,7 @@ pub fn print_report(r: &Report) {
                 ms.evaluation, ms.force, ms.hessian, ms.readback, ms.solve, ms.skin, ms.skeleton
             ),
         ),
-        (
-            "smallest det F",
-            r.min_det_f
-                .map_or("not known: baked without its layer".into(), |det| {
-                    format!("{det:.3}")
-                }),
-        ),
+        ("smallest det F", smallest_det_f(r)),
         ("penetration", format!("{:.3} mm", r.max_penetration_mm)),
         ("joint gap", format!("{:.4} mm", r.max_joint_gap_mm)),
         (

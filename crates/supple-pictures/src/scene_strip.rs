@@ -24,7 +24,7 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
         panels,
         legend,
         background,
-    } = draw_panels(scene, avatar, snapshots);
+    } = draw_panels(scene, avatar, snapshots, &mut |_| {});
     let strip = Strip {
         panels,
         legend: Some(legend),
@@ -33,18 +33,19 @@ pub fn picture_strip(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> 
     strip.compose(background)
 }
 
-/// The same pictures one after the other, `frame_time` seconds each.
+/// The same pictures one after the other, `frame_time` seconds each; `progress` is called with the number drawn so far.
 pub fn picture_animation(
     scene: &Scene,
     avatar: &Avatar,
     snapshots: &[Snapshot],
     frame_time: f64,
+    progress: &mut dyn FnMut(usize),
 ) -> Animation {
     let Panels {
         panels,
         legend,
         background,
-    } = draw_panels(scene, avatar, snapshots);
+    } = draw_panels(scene, avatar, snapshots, progress);
     let frame = |panel: Panel| {
         let strip = Strip {
             panels: vec![panel],
@@ -66,7 +67,12 @@ struct Panels {
     background: Colour,
 }
 
-fn draw_panels(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Panels {
+fn draw_panels(
+    scene: &Scene,
+    avatar: &Avatar,
+    snapshots: &[Snapshot],
+    progress: &mut dyn FnMut(usize),
+) -> Panels {
     let output = &scene.output;
     let up = scene.up().direction();
     let displacements = snapshots.iter().flat_map(|s| &s.displacement);
@@ -137,8 +143,11 @@ fn draw_panels(scene: &Scene, avatar: &Avatar, snapshots: &[Snapshot]) -> Panels
         }
     };
     Panels {
-        panels: (snapshots.iter().zip(&scenes).zip(&travels))
-            .map(panel)
+        panels: (snapshots.iter().zip(&scenes).zip(&travels).enumerate())
+            .map(|(k, of)| {
+                progress(k);
+                panel(of)
+            })
             .collect(),
         legend: Legend {
             title: "unposed displacement (mm)".into(),
