@@ -2,8 +2,9 @@
 //! every part of every baked avatar.
 //!
 //! `cargo run --release -p supple-lab --example hashes > table` prints them; another commit's table on the same machine
-//! is compared with `diff`. Other processors may round otherwise, so that no table of one machine binds another; that of a
-//! Xeon with AVX-512, by Rust 1.95, from before the engine was cut out (commit 5326906), is `lab/hashes.txt`.
+//! is compared with `diff`. Other processors may round otherwise, so that no table of one machine binds another.
+//! `lab/hashes.txt` is that of an AMD EPYC by Rust 1.95, after worlds, closed joints and bakes of bodies with like halves. Its
+//! first version, of a Xeon with AVX-512 at commit 5326906, was held while the engine was cut out of one crate.
 
 use glam::DVec3;
 use std::path::{Path, PathBuf};
