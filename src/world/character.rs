@@ -2,6 +2,7 @@
 
 use crate::model::{Avatar, Frame, State};
 use crate::potential::TissueFactors;
+use crate::potential::cpu::skin_displacement;
 use crate::sim::{Instance, InstanceReport, Settings, SpringMode};
 use crate::{Error, Result};
 use glam::{DVec3, Mat4};
@@ -108,6 +109,11 @@ impl Character {
     /// Displacements φ of its handles in unposed space, m.
     pub fn handles(&self) -> &[DVec3] {
         &self.instance.state.handles
+    }
+
+    /// How far the tissue is off the skinned shape at each vertex of [`Avatar::skin`], before the pose, m: U φ.
+    pub fn displacement(&self) -> Vec<DVec3> {
+        skin_displacement(&self.avatar, &self.instance.state)
     }
 
     /// Where the asset's own space was put, see [`Character::teleport_to`].

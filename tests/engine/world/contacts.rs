@@ -116,3 +116,20 @@ fn forces_on_vertices_add_up_to_the_report() -> Result<()> {
     // A vertex is some 0.2 m from the world's origin.
     check(pressed(Backend::Cpu)?, 1e-9, 4.0 * f64::EPSILON)
 }
+
+/// A bone that stands as it is bound shows the tissue's displacement as it is.
+#[test]
+fn the_tissue_is_off_the_skinned_shape_by_what_is_drawn_beside_it() -> Result<()> {
+    let (mut world, key, _) = pressed(Backend::Cpu)?;
+    let (mut skin, mut normals) = (Vec::new(), Vec::new());
+    world.read_skin_blocking(key, &mut skin, &mut normals)?;
+    let character = world.instance(key)?;
+    let rest = &character.avatar().skin.position;
+    let displacement = character.displacement();
+    let drawn = skin.iter().zip(rest).map(|(x, rest)| *x - *rest);
+    let apart = displacement.iter().zip(drawn).map(|(u, d)| u.distance(d));
+    assert!(apart.fold(0.0, f64::max) < 1e-12);
+    let largest = displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
+    assert!(largest > 1e-4, "{largest} m");
+    Ok(())
+}
