@@ -1,6 +1,9 @@
 //! Streams of meshopt behind the view of a glTF file: the first byte says which mode and filter.
 #![no_main]
 
+#[path = "../glb.rs"]
+mod glb;
+
 use libfuzzer_sys::fuzz_target;
 
 /// Mode, filter and bytes of an element.
@@ -21,7 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
     let (mode, filter, stride) = KINDS[usize::from(*first) % KINDS.len()];
     let count = 96;
     let length = count * stride;
-    let mut json = format!(
+    let json = format!(
         "{{\"asset\":{{\"version\":\"2.0\"}},\"scenes\":[{{\"nodes\":[0]}}],\"nodes\":[{{\"mesh\":0}}],\"meshes\":[{{\"primitives\":[{{\
          \"attributes\":{{\"POSITION\":0}}}}]}}],\"accessors\":[{{\"bufferView\":0,\"componentType\":5121,\"type\":\"VEC3\",\"count\":{}}}],\
          \"buffers\":[{{\"byteLength\":{}}},{{\"byteLength\":{length}}}],\"bufferViews\":[{{\"buffer\":1,\"byteLength\":{length},\
@@ -30,17 +33,6 @@ fuzz_target!(|bytes: &[u8]| {
         length / 3,
         stream.len(),
         stream.len(),
-    )
-    .into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut binary = stream.to_vec();
-    binary.resize(binary.len().next_multiple_of(4), 0);
-    let mut glb = b"glTF\x02\0\0\0".to_vec();
-    glb.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", binary)] {
-        glb.extend((chunk.len() as u32).to_le_bytes());
-        glb.extend(kind);
-        glb.extend(chunk);
-    }
-    let _ = supple_files::parse_gltf(&glb, "nowhere/fuzz");
+    );
+    let _ = supple_files::parse_gltf(&glb::of(json, stream), "nowhere/fuzz");
 });

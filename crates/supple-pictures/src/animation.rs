@@ -59,10 +59,7 @@ impl Animation {
             )));
         }
         let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut encoder = first.encoder(&mut bytes);
         encoder
             .set_animated(self.frames.len() as u32, 0)
             .and_then(|()| encoder.set_frame_delay(milliseconds.round() as u16, 1000))

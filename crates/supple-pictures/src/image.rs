@@ -68,15 +68,20 @@ impl Image {
         self.paste(x + FRAME, y + FRAME, other);
     }
 
+    /// What writes PNG files of its size and kind.
+    pub(crate) fn encoder<W: std::io::Write>(&self, to: W) -> png::Encoder<'_, W> {
+        let mut encoder = png::Encoder::new(to, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder
+    }
+
     /// The picture as the bytes of a PNG file.
     pub fn to_png(&self) -> Result<Vec<u8>> {
         let failed = |e: png::EncodingError| Error::invalid("image", format!("no PNG of it: {e}"));
         let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header().map_err(failed)?;
+        let mut writer = (self.encoder(&mut bytes).write_header()).map_err(failed)?;
         writer
             .write_image_data(bytemuck::cast_slice(&self.pixels))
             .map_err(failed)?;

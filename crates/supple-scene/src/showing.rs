@@ -1,7 +1,7 @@
 //! A scene that nobody wrote: an avatar on a ground that plays a clip, or is shaken where there is none.
 
 use crate::avatar_source::AvatarSource;
-use crate::motion::{Playback, TrackedMotion, read_motion};
+use crate::motion::{Playback, TrackedMotion};
 use crate::scene::{
     Measure, Motion, Output, PanelTime, Pinned, Placement, Scene, SceneCollider, contact_stiffness,
 };
@@ -150,17 +150,25 @@ impl Scene {
         // Poses that come in are read once: where feet will be is not known before.
         let mut soles = self.lowest(avatar, &state);
         let mut whole = LONGEST;
-        if let Some(clip) = read_motion(&motion)? {
+        let playback = match motion.is_standard_input() {
+            true => None,
+            false => Some(Playback::open(
+                &motion,
+                &avatar.character(),
+                avatar.up,
+                self.up(),
+            )?),
+        };
+        if let Some(Playback::Clip(mut player)) = playback {
             motion.ease_in = 0.0;
-            let left = (clip.duration() - motion.start).max(0.0) / motion.speed;
+            let left = (player.clip().duration() - motion.start).max(0.0) / motion.speed;
             whole = left.clamp(1.0, LONGEST);
-            let mut playback = Playback::open(&motion, &avatar.character(), avatar.up, self.up())?;
-            playback.stand_at(&state.frames);
+            player.stand_at(&state.frames);
             let looks = (PICTURE_RATE * seconds.unwrap_or(whole)).ceil().min(400.0);
             soles = f64::INFINITY;
             for k in 0..=looks as usize {
                 let time = seconds.unwrap_or(whole) * k as f64 / looks;
-                let frames = playback.frames(time)?;
+                let frames = player.frames(time);
                 state.frames[..frames.len()].copy_from_slice(&frames);
                 soles = soles.min(self.lowest(avatar, &state));
             }
@@ -185,10 +193,10 @@ impl Scene {
         let up = self.up().direction();
         let skin = posed_skin(avatar, &start).positions;
         let heights = skin.iter().map(|p| p.dot(up));
-        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| {
+        let (soles, top) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| {
             (l.min(z), h.max(z))
         });
-        let way = SHARE * (high - low).max(1e-3);
+        let way = SHARE * (top - soles).max(1e-3);
         let quarter = 0.5
             * std::f64::consts::PI
             * (way / ACCELERATION)
@@ -216,7 +224,7 @@ impl Scene {
             motion: motion.clone(),
         };
         self.pins = moved.map(pin).collect();
-        self.add_ground(self.lowest(avatar, &start));
+        self.add_ground(soles);
         Showing::Shaken {
             seconds: seconds.unwrap_or(time + SWINGS_OUT),
         }

@@ -5,6 +5,23 @@ use serde_json::{Value, json};
 use supple::Error;
 use supple::internal::math::Random;
 
+/// Down a random path from `at`, by more than `depth` if it goes on.
+pub fn somewhere_in<'a>(mut at: &'a mut Value, depth: usize, random: &mut Random) -> &'a mut Value {
+    for gone in 0.. {
+        let count = at.as_array().map_or(0, Vec::len) + at.as_object().map_or(0, |o| o.len());
+        if count == 0 || (gone > depth && random.index(9) == 0) {
+            break;
+        }
+        let k = random.index(count);
+        at = match at {
+            Value::Array(list) => &mut list[k],
+            Value::Object(map) => map.values_mut().nth(k).unwrap(),
+            _ => unreachable!(),
+        };
+    }
+    at
+}
+
 #[test]
 fn containers_and_buffers() {
     let sound = rich();
@@ -79,20 +96,7 @@ fn numbers_of_the_document_may_be_anything() {
     ];
     for _ in 0..3000 {
         let mut file = sound.clone();
-        let mut at = &mut file.json;
-        // Down a random path, and something else in its place.
-        for depth in 0.. {
-            let count = at.as_array().map_or(0, Vec::len) + at.as_object().map_or(0, |o| o.len());
-            if count == 0 || (depth > 0 && random.index(9) == 0) {
-                break;
-            }
-            let k = random.index(count);
-            at = match at {
-                Value::Array(list) => &mut list[k],
-                Value::Object(map) => map.values_mut().nth(k).unwrap(),
-                _ => unreachable!(),
-            };
-        }
+        let at = somewhere_in(&mut file.json, 0, &mut random);
         *at = strange[random.index(strange.len())].clone();
         let _ = read(&file.glb());
     }

@@ -212,10 +212,21 @@ impl Bar {
     /// A skinned primitive of `file` with the bar's triangles and its vertices at `positions`.
     pub fn primitive(&self, file: &mut Fixture, positions: &[DVec3]) -> Value {
         let (joints, weights) = self.influences();
+        self.primitive_on(file, positions, &joints, &weights)
+    }
+
+    /// The same with joints and weights of each vertex.
+    pub fn primitive_on(
+        &self,
+        file: &mut Fixture,
+        positions: &[DVec3],
+        joints: &[[u8; 4]],
+        weights: &[[f32; 4]],
+    ) -> Value {
         let attributes = json!({
             "POSITION": file.vectors(positions),
             "JOINTS_0": file.accessor(BYTE, "VEC4", joints.len(), joints.as_flattened()),
-            "WEIGHTS_0": file.floats("VEC4", &weights),
+            "WEIGHTS_0": file.floats("VEC4", weights),
         });
         let indices = file.shorts(
             "SCALAR",

@@ -1,5 +1,6 @@
 //! VRM's spring bones: read of both versions, baked, simulated; broken ones left out.
 
+use super::damaged::somewhere_in;
 use super::fixture::*;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use serde_json::{Value, json};
@@ -59,17 +60,7 @@ fn haired() -> (Fixture, usize) {
     };
     let joints: Vec<[u8; 4]> = bar.along.iter().map(on).collect();
     let weights = vec![[1.0, 0.0, 0.0, 0.0]; joints.len()];
-    let attributes = json!({
-        "POSITION": file.vectors(&positions),
-        "JOINTS_0": file.accessor(BYTE, "VEC4", joints.len(), joints.as_flattened()),
-        "WEIGHTS_0": file.floats("VEC4", &weights),
-    });
-    let indices = file.shorts(
-        "SCALAR",
-        3 * bar.triangles.len(),
-        bar.triangles.as_flattened(),
-    );
-    let primitive = json!({"attributes": attributes, "indices": indices});
+    let primitive = bar.primitive_on(&mut file, &positions, &joints, &weights);
     let mesh = file.push(
         "meshes",
         json!({"name": "tress", "primitives": [primitive]}),
@@ -396,20 +387,7 @@ fn ten_thousand_damaged_extensions_cost_no_more_than_their_chains() {
         for _ in 0..5000 {
             let mut file = sound.clone();
             for _ in 0..1 + random.index(3) {
-                let mut at = &mut file.json["extensions"];
-                for depth in 0.. {
-                    let count =
-                        at.as_array().map_or(0, Vec::len) + at.as_object().map_or(0, |o| o.len());
-                    if count == 0 || (depth > 2 && random.index(9) == 0) {
-                        break;
-                    }
-                    let k = random.index(count);
-                    at = match at {
-                        Value::Array(list) => &mut list[k],
-                        Value::Object(map) => map.values_mut().nth(k).unwrap(),
-                        _ => unreachable!(),
-                    };
-                }
+                let at = somewhere_in(&mut file.json["extensions"], 2, &mut random);
                 *at = strange[random.index(strange.len())].clone();
             }
             let character = parse_gltf(&file.glb(), "figure.vrm").unwrap();
