@@ -130,7 +130,7 @@ impl Scene {
         };
         self.output = Output {
             panels: (0..=pictures).map(panel).collect(),
-            view: DVec3::new(-0.8, 0.6, -0.15),
+            view: UpAxis::Z.rotation_to(self.up()) * DVec3::new(-0.8, 0.6, -0.15),
             follow: true,
             panel_size: [400, 520],
             draft: true,

@@ -186,3 +186,16 @@ fn a_clip_begins_as_fast_as_it_goes_on() {
     let (moving, at_rest) = (pushed(false), pushed(true));
     assert!(moving < 0.2 * at_rest, "{moving} m, {at_rest} m");
 }
+
+/// The camera looks down a little, whatever is up.
+#[test]
+fn it_is_looked_at_from_above() {
+    for up in ["x", "y", "z"] {
+        let text =
+            format!("name = \"a\"\nsteps = 9\nup = \"{up}\"\n[avatar]\nsample = \"limb_s\"\n");
+        let mut scene = parse_scene(&text, Path::new("scene.toml")).unwrap();
+        scene.show(&limb(UpAxis::Z), None, None).unwrap();
+        let down = scene.output.view.dot(scene.up().direction());
+        assert_eq!(down, -0.15, "{up}");
+    }
+}
