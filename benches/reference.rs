@@ -7,7 +7,7 @@ use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::{random_avatar, random_state};
-use supple::model::{Frame, State};
+use supple::model::{Frame, InertialTarget, State};
 use supple::potential::{
     CpuPotential, Evaluation, Potential, StepEnd, StepStart, TissueFactors, Trial,
 };
@@ -55,7 +55,7 @@ fn bench(criterion: &mut Criterion) {
         let colliders = colliders();
         let start = StepStart {
             time_step: 0.01,
-            previous: &previous,
+            inertia: InertialTarget::backward_euler(&previous, 0.01),
             current: &current,
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,

@@ -7,7 +7,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::{random_avatar, random_state};
-use supple::model::{Frame, State};
+use supple::model::{Frame, InertialTarget, State};
 use supple::potential::{
     Evaluation, GpuOptions, GpuPotential, Potential, StepStart, TissueFactors,
 };
@@ -43,7 +43,7 @@ fn main() -> supple::Result<()> {
         let [previous, current, next] = &states;
         let start = StepStart {
             time_step: 0.01,
-            previous,
+            inertia: InertialTarget::backward_euler(previous, 0.01),
             current,
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,

@@ -1,5 +1,5 @@
 // F = I + H, H = Σ_h φ_h ∇U_hᵀ; P(F); C = ∂P/∂F projected to positive semi-definite (method §4).
-// Both times the point's stiffness and the state's factor on it. With damping, lagged at the step's start: P += (β/h) Cⁿ : ΔF, C += (β/h) Cⁿ.
+// Both times the point's stiffness and the state's factor on it. With damping, lagged at the step's start: P += (β/h̃) Cⁿ : (F − F̃), C += (β/h̃) Cⁿ.
 // One thread a cubature point.
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -12,6 +12,11 @@
 @group(0) @binding(7) var<storage, read_write> tangent: array<Tangent>;
 @group(0) @binding(8) var<storage, read> tissue: array<LocalTissue>;
 @group(0) @binding(9) var<uniform> material: MaterialParameters;
+
+// φ̃ − φⁿ, m
+fn drift(state: BatchState, handle: u32) -> vec3<f32> {
+    return handles[state.instance * constants.handles + handle].increment;
+}
 
 @compute @workgroup_size(64)
 fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -28,7 +33,7 @@ fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {
         let u = handle_gradients[point.first_gradient + k];
         let phi = handles[state.slot * constants.handles + u.handle];
         h += outer(phi.displacement + phi.increment, u.gradient);
-        increment += outer(phi.increment, u.gradient);
+        increment += outer(phi.increment - drift(state, u.handle), u.gradient);
     }
 
     let local = tissue[i];

@@ -1,8 +1,8 @@
 // E(state) − E(base) of each term from increments, summed in a fixed tree. With δ = x − x_base and
 // e = d_base − ŷ the base's own distance from the inertial target:
-//   inertia  m/(2h²) (|δ + e|² − |e|²) = m/(2h²) δ·(δ + 2e)      gravity  −m g·δ
-//   elastic  w (Ψ(F) − Ψ(F_base))    damping  w β/(2h) (D : Cⁿ : D − B : Cⁿ : B) with D = B + ΔF the
-//   strain since the step's start    contact  ½ k a (δ₊² − δ_base₊²), δ = d̂ − d
+//   inertia  m/(2h̃²) (|δ + e|² − |e|²) = m/(2h̃²) δ·(δ + 2e)      gravity  −m g·δ
+//   elastic  w (Ψ(F) − Ψ(F_base))    damping  w β/(2h̃) (D : Cⁿ : D − B : Cⁿ : B) with D = B + ΔF and
+//   B = F_base − F̃    contact  ½ k a (δ₊² − δ_base₊²), δ = d̂ − d
 //   friction  μ λ (f₀(|u_T|) − f₀(|u_T,base|))
 
 struct PartialEnergy {
@@ -91,6 +91,8 @@ fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
             let base = handles[state.base * constants.handles + u.handle];
             base_increment += outer(base.increment, u.gradient);
         }
+        let drift = handles[state.instance * constants.handles + u.handle].increment;
+        base_increment -= outer(drift, u.gradient);
     }
     let mass = constants.density * point.measure;
     var out = PartialEnergy();

@@ -1,5 +1,5 @@
 // ∂E/∂q, first point by point, then gathered block by block in fixed order. With the force
-//   f = m ( (d − ŷ)/h² − g ),  m = ρ w,  ŷ = h vⁿ the displacement of the step's start,
+//   f = m ( (d − ŷ)/h̃² − g ),  m = ρ w,  ŷ the displacement in the step's start (kernels/inertial_target.wgsl),
 // and a = R_j (T − J_j):  c_j: w_j f     ω_j: w_j a × f     φ_h: U_h Bᵀ f + w P ∇U_h, B = Σ w_j R_j
 
 @group(0) @binding(0) var<uniform> constants: Constants;

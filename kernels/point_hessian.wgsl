@@ -1,5 +1,5 @@
 // The solver's Hessian of one cubature point, all pairs a ≥ b of its own blocks:
-//   H_ab = (m/h²) J_aᵀ J_b + w (∇U_aᵀ ⊗ I) C (∇U_b ⊗ I),  m = ρ w, the latter between handles only,
+//   H_ab = (m/h̃²) J_aᵀ J_b + w (∇U_aᵀ ⊗ I) C (∇U_b ⊗ I),  m = ρ w, the latter between handles only,
 //   J: c_j: w_j I     ω_j: −w_j [R_j (T − J_j)]×     φ_h: U_h B, B = Σ w_j R_j
 // One workgroup a point: first what each block's J is made of, then each thread takes a block b, its Y = C (∇U_b ⊗ I)
 // and half of the others as a.
@@ -55,7 +55,7 @@ fn point_hessian(
     let first = group.y * constants.local_pairs + point.first_pair;
     for (var b = thread; b < blocks; b += 32u) {
         let own = local[b];
-        // (m/h²) J_b, and Y_i = w Σ_j C_ij ∇U_j
+        // (m/h̃²) J_b, and Y_i = w Σ_j C_ij ∇U_j
         var j = (inertia * own.w) * identity();
         var y0 = mat3x3<f32>();
         var y1 = mat3x3<f32>();

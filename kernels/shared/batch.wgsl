@@ -30,8 +30,8 @@ struct Chunk {
 
 struct BatchState {
     gravity: vec3<f32>,   // on the tissue's displacement, m/s²
-    mass_rate: f32,       // 1/h², 1/s²
-    damping_rate: f32,    // β/h
+    mass_rate: f32,       // 1/h̃², 1/s²
+    damping_rate: f32,    // β/h̃
     instance: u32,
     slot: u32,
     base: u32,            // slot of the state that the energy is measured from
@@ -41,7 +41,8 @@ struct BatchState {
     has_offsets: u32,     // whether the host gave offsets of the skin
 }
 
-// The increments of a start lead from qⁿ⁻¹ to qⁿ: seen from qⁿ itself they are zero.
+// A start is qⁿ itself, which has no increments of its own. Those of its frames are zero, its handles' are the drift φ̃ − φⁿ of
+// damping, and its points' displacements are ŷ.
 fn is_start(slot: u32, instance: u32) -> bool {
     return slot == instance;
 }

@@ -36,6 +36,21 @@ struct Handle {
     increment: vec3<f32>,     // φ − φ_base
 }
 
+// The past of a bone, and that of a handle: what inertia takes from it (kernels/inertial_target.wgsl).
+struct PastFrame {
+    turn: mat3x3<f32>,        // A = Σ_k c_k (R(qⁿ⁻ᵏ) − R(qⁿ))
+    first: mat3x3<f32>,       // R(qⁿ⁻¹)
+    second: mat3x3<f32>,      // R(qⁿ⁻²)
+    third: mat3x3<f32>,       // R(qⁿ⁻³)
+    shift: vec3<f32>,         // b = Σ_k c_k (c(qⁿ⁻ᵏ) − c(qⁿ))
+}
+
+struct PastHandle {
+    first: vec3<f32>,         // c₁ (φⁿ⁻¹ − φⁿ)
+    second: vec3<f32>,        // c₂ (φⁿ⁻² − φⁿ)
+    third: vec3<f32>,         // c₃ (φⁿ⁻³ − φⁿ)
+}
+
 struct Motion {
     displacement: vec3<f32>,  // d = x(q) − x(q_base)
     unposed: vec3<f32>,       // T

@@ -219,7 +219,7 @@ fn settle<P: Potential>(
     for &time in &study.times {
         let instance = &mut simulation.instances_mut()[0];
         driver.drive(time, instance)?;
-        instance.previous = instance.state.clone();
+        instance.history.rest(&instance.state);
         simulation.step_blocking()?;
     }
     let (mut skin, mut normals) = (Vec::new(), Vec::new());
@@ -233,7 +233,7 @@ fn settle<P: Potential>(
     let mut simulation = Simulation::new(avatar, potential()?, settings)?;
     let instance = &mut simulation.instances_mut()[0];
     *instance = settled.clone();
-    instance.previous = instance.state.clone();
+    instance.history.rest(&instance.state);
     let mut times = Vec::new();
     for _ in 0..STEPS {
         times.push(simulation.step_blocking()?.timings.step);

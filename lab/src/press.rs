@@ -133,7 +133,7 @@ pub fn press_along<B: Basis>(
     for &frame in frames {
         let instance = &mut simulation.instances_mut()[0];
         instance.colliders = vec![Collider::new(shape.clone(), frame)];
-        instance.previous = instance.state.clone();
+        instance.history.rest(&instance.state);
         let report = simulation.step_blocking()?;
         forces.push(report.instances[0].contact_force.length());
     }

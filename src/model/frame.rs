@@ -52,6 +52,15 @@ impl Frame {
         }
     }
 
+    /// `part` of the way to `other`: along a line, turning evenly about one axis. All of the way is `other` itself.
+    pub fn between(&self, other: &Self, part: f64) -> Self {
+        if part == 1.0 || self == other {
+            return *other;
+        }
+        let (translation, rotation) = self.motion_to(other);
+        self.moved(part * translation, part * rotation)
+    }
+
     /// (δc, δω) such that `self.moved(δc, δω)` is `other`.
     pub fn motion_to(&self, other: &Self) -> (DVec3, DVec3) {
         (

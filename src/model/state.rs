@@ -105,17 +105,6 @@ impl State {
         frames.chain(handles).flat_map(|v| v.to_array()).collect()
     }
 
-    /// Moves once more by the step that led to it from `previous`.
-    pub fn coast(&mut self, previous: &Self) {
-        for (frame, before) in self.frames.iter_mut().zip(&previous.frames) {
-            let (translation, rotation) = before.motion_to(frame);
-            *frame = frame.moved(translation, rotation);
-        }
-        for (handle, before) in self.handles.iter_mut().zip(&previous.handles) {
-            *handle += *handle - *before;
-        }
-    }
-
     /// Moves to `ratio` times the distance from `origin`, along the step that leads here from there.
     pub(crate) fn stretch_from(&mut self, origin: &Self, ratio: f64) {
         for (frame, start) in self.frames.iter_mut().zip(&origin.frames) {
@@ -133,28 +122,5 @@ impl State {
             .iter()
             .all(|f| f.position.is_finite() && f.rotation.is_finite())
             && self.handles.iter().all(|h| h.is_finite())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::Random;
-
-    #[test]
-    fn to_coast_is_to_take_the_last_step_once_more() {
-        let random = &mut Random::new(5);
-        let previous = State {
-            frames: vec![Frame::IDENTITY.moved(random.vector(1.0), random.vector(1.0)); 2],
-            handles: vec![random.vector(1.0)],
-        };
-        let step: Vec<f64> = (0..15).map(|_| random.uniform(-0.3, 0.3)).collect();
-        let mut state = previous.moved(&step, 1.0);
-        let wanted = state.moved(&previous.step_to(&state), 1.0);
-        state.coast(&previous);
-        assert_eq!(state, wanted);
-        let twice = previous.moved(&step, 2.0);
-        let apart = |(a, b): (&Frame, &Frame)| a.position.distance(b.position);
-        assert!((twice.frames.iter().zip(&state.frames)).all(|pair| apart(pair) < 1e-12));
     }
 }

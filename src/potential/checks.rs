@@ -71,8 +71,16 @@ impl Checks {
         self.count("active", active.len())?;
         let started = starts.iter().zip(active).filter(|(_, active)| **active);
         for (start, _) in started {
-            self.state(start.previous)?;
             self.state(start.current)?;
+            for past in start.inertia.past {
+                self.state(past)?;
+            }
+            let (weights, step) = (start.inertia.weights, start.inertia.step);
+            let weighs = weights.iter().all(|c| c.is_finite()) && start.inertia.drift.is_finite();
+            if start.inertia.past.len() > 3 || !(weighs && step > 0.0 && step.is_finite()) {
+                let problem = "holds more than three states, or a number that is none";
+                return Err(Error::invalid("inertia", problem));
+            }
             if !(start.time_step > 0.0 && start.time_step.is_finite()) {
                 let problem = format!("{}; must be positive (s)", start.time_step);
                 return Err(Error::invalid("time_step", problem));

@@ -1,4 +1,4 @@
-//! The incremental potential of backward Euler, as Newton sees it.
+//! The incremental potential of a step, as Newton sees it.
 //!
 //! `E(q) = E_inertia + E_gravity + E_elastic + E_damping + E_contact + E_friction` of the tissue. The bones' own
 //! terms are in [`crate::skeleton`]. Two implementations: the f64 evaluation in [`CpuPotential`], and the WGSL kernels in
@@ -22,7 +22,7 @@ pub use pattern::BlockPattern;
 pub(crate) use pattern::point_blocks;
 
 use crate::collider::Collider;
-use crate::model::{Space, State};
+use crate::model::{InertialTarget, Space, State};
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -33,8 +33,8 @@ use std::future::Future;
 pub struct StepStart<'a> {
     /// h, s.
     pub time_step: f64,
-    /// qⁿ⁻¹.
-    pub previous: &'a State,
+    /// Where inertia draws to, and how the step differentiates.
+    pub inertia: InertialTarget<'a>,
     /// qⁿ: its pose gives x̄ for the whole step, and energies are measured from it.
     pub current: &'a State,
     /// Colliders, each with its frame at tⁿ and at tⁿ⁺¹. Only [`Avatar::body_frames`](crate::model::Avatar::body_frames)
@@ -90,13 +90,13 @@ impl StepStart<'_> {
 /// The energies of the tissue, J. In an [`Evaluation`] each is E(q) − E(qⁿ).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
-    /// Σ m/(2h²) |x − x̂|².
+    /// Σ m/(2h̃²) |x − x̂|².
     pub inertia: f64,
     /// −Σ m g · x, only where gravity loads the handles.
     pub gravity: f64,
     /// Σ w Ψ(F).
     pub elastic: f64,
-    /// Σ w β/(2h) ΔF : Cⁿ : ΔF.
+    /// Σ w β/(2h̃) (F − F̃) : Cⁿ : (F − F̃).
     pub damping: f64,
     /// Σ ½ k a (d̂ − d)₊².
     pub contact: f64,

@@ -2,17 +2,18 @@
 
 use super::instance::Instance;
 use super::simulation::Simulation;
-use super::step_start::tissue_start;
+use super::step_start::{skeleton_start, tissue_start};
 use crate::Result;
 use crate::model::State;
-use crate::potential::{Evaluation, Potential};
+use crate::potential::{Evaluation, Potential, StepStart};
+use crate::skeleton::{SkeletonPotential, SkeletonStart};
 use serde::Serialize;
 
 /// Energy of one instance: what it has in motion, and how much its potential energies changed in the
 /// last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EnergyBalance {
-    /// Σ ½ m |xⁿ − xⁿ⁻¹|²/h² of tissue and bones, J.
+    /// Σ ½ m |ẋⁿ|² of tissue and bones, with ẋⁿ as the last step differentiates, J.
     pub kinetic: f64,
     /// Elastic energy of the tissue, J.
     pub elastic: f64,
@@ -39,21 +40,21 @@ impl<P: Potential> Simulation<P> {
     /// A lost device.
     pub async fn energy_balance(&mut self) -> Result<Vec<EnergyBalance>> {
         let physics = &self.physics;
-        // A step that starts at rest from qⁿ⁻¹ has the inertia energy m/(2h²) |x − xⁿ⁻¹|², which at
-        // x = xⁿ is kinetic.
+        // A step from qⁿ⁻¹ whose inertia draws to x̃ has the inertia energy m/(2h̃²) |x − x̃|², which at x = xⁿ is kinetic.
         let resting: Vec<_> = self
             .instances
             .iter()
             .map(|instance| {
                 let mut resting = instance.clone();
-                resting.state.clone_from(&instance.previous);
+                resting.state.clone_from(instance.history.previous());
                 resting
             })
             .collect();
         let starts: Vec<_> = resting
             .iter()
-            .map(|instance| {
-                tissue_start(
+            .map(|instance| StepStart {
+                inertia: instance.history.velocity(),
+                ..tissue_start(
                     &physics.settings,
                     physics.captured_under_gravity,
                     instance,
@@ -69,8 +70,11 @@ impl<P: Potential> Simulation<P> {
             .evaluate(&states, &all, &mut evaluations)
             .await?;
         let balance = |((instance, state), evaluation): ((&Instance, &State), &Evaluation)| {
-            let bones = physics
-                .skeleton_potential(instance)
+            let start = SkeletonStart {
+                inertia: instance.history.velocity(),
+                ..skeleton_start(&physics.settings, instance)
+            };
+            let bones = SkeletonPotential::new(&physics.skeleton, &start)
                 .difference(&instance.state.frames, &state.frames);
             let tissue = &evaluation.energies;
             EnergyBalance {

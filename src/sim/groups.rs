@@ -102,6 +102,11 @@ impl Groups {
         part(&self.links, &self.link_ends, group)
     }
 
+    /// The group that a member is in.
+    pub fn of(&self, member: usize) -> usize {
+        self.group_of[member]
+    }
+
     /// Whether a member is the only one of its group.
     pub fn is_alone(&self, member: usize) -> bool {
         self.members(self.group_of[member]).len() == 1

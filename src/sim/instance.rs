@@ -2,7 +2,7 @@
 
 use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
-use crate::model::{Avatar, Frame, PoseOffsets, State, UpAxis, is_rotation};
+use crate::model::{Avatar, Frame, History, PoseOffsets, State, UpAxis, is_rotation};
 use crate::potential::{PreviousSkin, TissueFactors};
 use crate::skeleton::{Bending, JointLimit, Tracking};
 use crate::{Error, Result};
@@ -36,8 +36,9 @@ pub enum SpringMode {
 pub struct Instance {
     /// qⁿ.
     pub state: State,
-    /// qⁿ⁻¹: the velocity is what led from it to qⁿ; of a spring bone that of its tail, which is all that its frame here says.
-    pub previous: State,
+    /// The states before qⁿ, which say the velocities; of a spring bone qⁿ⁻¹ says that of its tail, and its frame there no
+    /// more.
+    pub history: History,
     /// Springs and dampers that draw bones to moving targets. After a step each target's
     /// `previous` becomes its `frame`.
     pub targets: Vec<Tracking>,
@@ -74,7 +75,7 @@ impl Instance {
     pub fn new(avatar: &Avatar, settings: &Settings) -> Self {
         let state = avatar.rest_state();
         Self {
-            previous: state.clone(),
+            history: History::at_rest(&state),
             targets: Vec::new(),
             pins: Vec::new(),
             bending: vec![
@@ -125,29 +126,21 @@ impl Instance {
     }
 
     /// Sets where a frame is, as a rule a body's, and how it moves: with `velocity` (m/s, of its origin) and
-    /// `angular_velocity` (rad/s), as if it had come there in a step of `time_step`.
+    /// `angular_velocity` (rad/s).
     pub fn set_motion(
         &mut self,
         frame: usize,
         at: Frame,
         velocity: DVec3,
         angular_velocity: DVec3,
-        time_step: f64,
     ) {
         self.state.frames[frame] = at;
-        self.previous.frames[frame] =
-            at.moved(-velocity * time_step, -angular_velocity * time_step);
+        (self.history).set_velocity(frame, &at, velocity, angular_velocity);
     }
 
-    /// Puts qⁿ⁻¹ where it would have been had the last step been `ratio` times as long, so that velocities stay what they
-    /// are in a step of that length.
-    pub(crate) fn stretch_last_step(&mut self, ratio: f64) {
-        self.previous.stretch_from(&self.state, ratio);
-    }
-
-    /// Sets the state, at rest: qⁿ⁻¹ = qⁿ.
+    /// Sets the state, at rest.
     pub fn set_state(&mut self, state: State) {
-        self.previous = state.clone();
+        self.history.rest(&state);
         self.state = state;
         self.was_put = true;
     }
@@ -177,7 +170,8 @@ impl Instance {
                 Err(Error::invalid(format!("instance.{field}"), problem))
             }
         };
-        for (field, state) in [("state", &self.state), ("previous", &self.previous)] {
+        let past = self.history.states().iter().map(|state| ("history", state));
+        for (field, state) in std::iter::once(("state", &self.state)).chain(past) {
             check(
                 state.space() == like.space(),
                 field,
@@ -219,7 +213,7 @@ impl Instance {
                 "names a bone that is not there",
             )?;
             check(
-                target.frame.is_rigid() && target.previous.is_rigid(),
+                target.frame.is_rigid() && target.previous.is_rigid() && target.earlier.is_rigid(),
                 "targets",
                 "a frame is not finite or its rotation is none",
             )?;
@@ -249,6 +243,7 @@ impl Instance {
             not_negative("instance.colliders.stiffness", collider.stiffness, "Pa/m")?;
             not_negative("instance.colliders.margin", collider.margin, "metres")?;
         }
+        check(self.history.is_valid(), "history", "holds a time that is none")?;
         check(self.gravity.is_finite(), "gravity", "is not finite")?;
         check(is_rotation(&self.file_axes), "file_axes", "is no rotation")?;
         self.factors.validate().map_err(|e| e.within("instance"))

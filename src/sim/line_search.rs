@@ -20,6 +20,12 @@ const CALLS: [&[f64]; 4] = [
 /// Armijo's constant, c in E(q + αδ) − E(q) ≤ c α gᵀδ (Nocedal and Wright, §3.1).
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 
+/// Part of the modelled fall of E by which it may miss.
+const MODEL_ERROR: f64 = 0.1;
+
+/// What f32 resolves of E, J.
+const ENERGY_RESOLUTION: f64 = 1e-8;
+
 /// Memory of the trials, kept from search to search.
 #[derive(Default)]
 pub(super) struct LineSearch {
@@ -28,6 +34,8 @@ pub(super) struct LineSearch {
     trials: Vec<Trial<'static>>,
     /// Groups for which no α has served so far.
     pending: Vec<usize>,
+    /// Of the groups of members that were searched: E(q + δ) − E(q) where the whole step served, J.
+    whole: Vec<Option<f64>>,
 }
 
 impl LineSearch {
@@ -43,6 +51,8 @@ impl LineSearch {
         timings: &mut Timings,
     ) -> Result<()> {
         self.pending.clear();
+        self.whole.clear();
+        self.whole.resize(minimisations.len(), None);
         let runs = |g: &usize| running[groups.members(*g)[0]];
         self.pending.extend((0..groups.len()).filter(runs));
         for alphas in CALLS {
@@ -60,6 +70,14 @@ impl LineSearch {
             running[i] = false;
         }
         Ok(())
+    }
+
+    /// Whether a group took its whole step, and E fell by what the quadratic model says: half the decrement.
+    pub fn as_modelled(&self, group: &[usize], minimisations: &[Minimisation]) -> bool {
+        let modelled = 0.5 * minimisations[group[0]].report.decrement;
+        self.whole[group[0]].is_some_and(|difference| {
+            (difference + modelled).abs() <= MODEL_ERROR * modelled + ENERGY_RESOLUTION
+        })
     }
 
     /// Fills in E(q + αδ) − E(q) for every member of a pending group and every α.
@@ -132,6 +150,10 @@ impl LineSearch {
             };
             let found = (0..alphas.len()).find(lowers);
             if let Some(t) = found {
+                if alphas[t] == 1.0 {
+                    let sum = tried.clone().map(|k| self.differences[k * alphas.len() + t]);
+                    self.whole[members[0]] = Some(sum.sum());
+                }
                 for (k, &i) in tried.clone().zip(members) {
                     states[i].clone_from(&self.states[k * alphas.len() + t]);
                 }

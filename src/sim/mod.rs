@@ -9,6 +9,7 @@
 //! | `prediction` | where the minimisation starts: the inertial prediction, and qⁿ as its fall-back |
 //! | `carried` | bones without mass, which the others carry along |
 //! | `spring_bones` | the dynamics of those of them that swing |
+//! | `substeps` | how a frame is cut into steps, and where what drives it is in between |
 //! | `step_start` | what the skeleton's and the tissue's energies are told at the start of a step |
 //! | `report` | what a step tells about itself |
 //! | `linear_solver` | H δ = −g: the interface, scaling, products |
@@ -49,11 +50,13 @@ mod spring_bones;
 mod step_end;
 mod step_start;
 mod stepper;
+mod substeps;
 
 pub(crate) use groups::Link;
 pub(crate) use members::Members;
 pub(crate) use solvers::Solvers;
 pub(crate) use stepper::{Physics, Stepper};
+pub(crate) use substeps::{DrivenFrame, Split};
 
 pub use dense_cholesky::DenseCholesky;
 pub use energy_balance::EnergyBalance;

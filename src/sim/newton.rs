@@ -73,8 +73,15 @@ impl Newton {
         timings: &mut Timings,
         observer: &mut Observer<'_>,
     ) -> Result<()> {
+        let budgeted = matches!(mode, SolverMode::Budgeted { .. });
         let (short, when_short, max_iterations, at_limit) = match mode {
             SolverMode::OneIteration => (TRUST_RADIUS, Stop::OneIteration, 1, Stop::OneIteration),
+            SolverMode::Budgeted { max_iterations } => (
+                TRUST_RADIUS,
+                Stop::AsModelled,
+                max_iterations,
+                Stop::IterationLimit,
+            ),
             SolverMode::Converged {
                 tolerance,
                 max_iterations,
@@ -93,8 +100,8 @@ impl Newton {
             }
             self.solve(timings)?;
             self.show(observer);
-            self.take_short_steps(short, when_short);
-            self.search_line(members, timings).await?;
+            self.take_short_steps(short, when_short, budgeted);
+            self.search_line(members, timings, budgeted).await?;
             if !self.running.contains(&true) {
                 return Ok(());
             }
@@ -213,10 +220,16 @@ impl Newton {
     }
 
     /// Moves every running member whose step is no longer than `length` (a group's is the longest of its members) by
-    /// its whole step, and ends its minimisation.
-    fn take_short_steps(&mut self, length: f64, stop: Stop) {
-        for (i, minimisation) in self.minimisations.iter_mut().enumerate() {
-            if self.running[i] && minimisation.report.step_length <= length {
+    /// its whole step, and ends its minimisation; where it must be `without_contact`, none of what touches something.
+    fn take_short_steps(&mut self, length: f64, stop: Stop, without_contact: bool) {
+        let touches = |i: usize| {
+            let group = self.groups.of(i);
+            (self.groups.members(group).iter()).any(|&j| self.iterates.evaluations[j].contacts > 0)
+        };
+        for i in 0..self.minimisations.len() {
+            let short = self.running[i] && self.minimisations[i].report.step_length <= length;
+            if short && !(without_contact && touches(i)) {
+                let minimisation = &mut self.minimisations[i];
                 self.iterates.states[i].move_by(&minimisation.step, 1.0);
                 minimisation.report.stop = stop;
                 self.running[i] = false;
@@ -229,12 +242,26 @@ impl Newton {
         &mut self,
         members: &mut M,
         timings: &mut Timings,
+        budgeted: bool,
     ) -> Result<()> {
         let (minimisations, states) = (&mut self.minimisations, &mut self.iterates.states);
         let (groups, running) = (&self.groups, &mut self.running);
         self.line_search
             .search(members, groups, minimisations, states, running, timings)
-            .await
+            .await?;
+        if !budgeted {
+            return Ok(());
+        }
+        for group in 0..groups.len() {
+            let group = groups.members(group);
+            if running[group[0]] && self.line_search.as_modelled(group, minimisations) {
+                for &i in group {
+                    minimisations[i].report.stop = Stop::AsModelled;
+                    running[i] = false;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Ends the minimisation of what still runs.

@@ -1,17 +1,23 @@
 //! Where a step's minimisation starts.
 
 use super::instance::Instance;
-use crate::model::{Skeleton, State};
+use crate::model::{InertialTarget, Skeleton, State};
 
-/// The inertial prediction on the manifold of closed joints: rotations, handles and roots move once more as in the last
-/// step, pinned bones are where they end, and a joint follows its parent, so that its gap stays what it is.
+/// The inertial prediction on the manifold of closed joints: rotations, handles and roots move on as inertia has them
+/// ([`InertialTarget::predict`]), pinned bones are where they end, and a joint follows its parent, so that its gap stays
+/// what it is.
 ///
 /// Bones that each fly on their own open joints by ½ |ω|² h² times their length, and a pin that changes its speed by all
 /// of the change: in joint springs of 1e6 N/m that is up to a joule, beside which an iteration does not see what the
 /// tissue (millijoules) gains or loses.
-pub(super) fn predict(skeleton: &Skeleton, instance: &Instance, predicted: &mut State) {
+pub(super) fn predict(
+    skeleton: &Skeleton,
+    instance: &Instance,
+    target: &InertialTarget<'_>,
+    predicted: &mut State,
+) {
     predicted.clone_from(&instance.state);
-    predicted.coast(&instance.previous);
+    target.predict(predicted);
     pin(skeleton, instance, predicted);
 }
 
@@ -46,7 +52,7 @@ mod tests {
     use super::super::settings::Settings;
     use super::*;
     use crate::math::Random;
-    use crate::model::Frame;
+    use crate::model::{Frame, Integrator};
     use crate::random_avatar::random_avatar;
     use crate::skeleton::joint_gap;
     use glam::DVec3;
@@ -63,6 +69,8 @@ mod tests {
         for handle in &mut instance.state.handles {
             *handle = random.vector(1e-3);
         }
+        let rest = avatar.rest_state();
+        (instance.history).set_previous(&rest, &instance.state, 0.01);
         (avatar.skeleton, instance)
     }
 
@@ -79,9 +87,10 @@ mod tests {
     fn joints_keep_their_gaps_and_all_else_moves_on() {
         let (skeleton, instance) = tumbling(1);
         let mut predicted = instance.state.clone();
-        predict(&skeleton, &instance, &mut predicted);
+        let target = instance.history.target(Integrator::Bdf2, 0.01);
+        predict(&skeleton, &instance, &target, &mut predicted);
         let mut inertial = instance.state.clone();
-        inertial.move_by(&instance.previous.step_to(&instance.state), 1.0);
+        target.predict(&mut inertial);
         let (before, after) = (&instance.state, &predicted);
         let anchors = [before, after].map(|state| anchors(&skeleton, state));
         for (before, after) in anchors[0].iter().zip(&anchors[1]) {
@@ -102,9 +111,13 @@ mod tests {
         let bone = skeleton.parents.iter().flatten().max().copied().unwrap() as usize;
         let frame = instance.state.frames[bone].moved(DVec3::splat(0.01), DVec3::Z);
         instance.pins.push(Pin { bone, frame });
-        for start in [predict, fall_back] {
+        let target = instance.history.target(Integrator::Bdf2, 0.01);
+        for predicted in [true, false] {
             let mut state = instance.state.clone();
-            start(&skeleton, &instance, &mut state);
+            match predicted {
+                true => predict(&skeleton, &instance, &target, &mut state),
+                false => fall_back(&skeleton, &instance, &mut state),
+            }
             assert_eq!(state.frames[bone], frame);
             let anchors = [&instance.state, &state].map(|state| anchors(&skeleton, state));
             let moved = anchors[0].iter().zip(&anchors[1]).enumerate();

@@ -12,6 +12,9 @@ use serde::{Deserialize, Serialize};
 pub enum Stop {
     /// The one iteration of [`SolverMode::OneIteration`](super::SolverMode::OneIteration) was made.
     OneIteration,
+    /// The last step lowered E as the model said that it would, or was too short to be doubted
+    /// ([`SolverMode::Budgeted`](super::SolverMode::Budgeted)).
+    AsModelled,
     /// The last step was shorter than the tolerance.
     Converged,
     /// No step along the direction lowers the energy by more than it can be resolved.

@@ -7,6 +7,7 @@ use super::report::{InstanceReport, StepReport, Timings};
 use super::settings::Settings;
 use super::solvers::Solvers;
 use super::stepper::{Physics, Stepper};
+use super::substeps::{DrivenFrame, Split};
 use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
 use crate::potential::Potential;
@@ -14,12 +15,14 @@ use crate::skeleton::{SkeletonModel, SkeletonPotential};
 use crate::{Error, Result};
 use glam::DVec3;
 
-/// Avatars of one asset, stepped together by backward Euler.
+/// Avatars of one asset, stepped together.
 pub struct Simulation<P> {
     pub(super) potential: P,
     pub(super) physics: Physics,
     pub(super) instances: Vec<Instance>,
     stepper: Stepper,
+    /// What drives each instance over a frame that takes several steps.
+    frames: Vec<DrivenFrame>,
     /// Memory of the list of all instances.
     each: Vec<(&'static Physics, &'static Instance)>,
 }
@@ -73,6 +76,7 @@ impl<P: Potential> Simulation<P> {
         let members = instances.iter().map(|instance| (&physics, instance));
         Ok(Self {
             stepper: Stepper::new(members, vec![solvers], std::iter::once(instances.len())),
+            frames: instances.iter().map(DrivenFrame::new).collect(),
             potential,
             physics,
             instances,
@@ -92,12 +96,6 @@ impl<P: Potential> Simulation<P> {
     /// They are unusable.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
-        let ratio = settings.time_step / self.physics.settings.time_step;
-        if ratio != 1.0 {
-            for instance in &mut self.instances {
-                instance.stretch_last_step(ratio);
-            }
-        }
         self.physics.settings = settings;
         Ok(())
     }
@@ -160,6 +158,58 @@ impl<P: Potential> Simulation<P> {
     ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut timings = Timings::default();
+        let settings = self.physics.settings;
+        let active = self.instances.iter().filter(|instance| instance.active);
+        let split = Split::new(&settings, settings.time_step, active);
+        if split.count() > 1 {
+            let pairs = self.frames.iter_mut().zip(&self.instances);
+            pairs.for_each(|(frame, instance)| frame.begin(instance));
+        }
+        let done = self.split_step(&split, &mut timings, observer).await;
+        self.physics.settings = settings;
+        if done.is_err() && split.count() > 1 {
+            let pairs = self.frames.iter().zip(&mut self.instances);
+            pairs.for_each(|(frame, instance)| frame.undo(instance));
+        }
+        done?;
+        timings.step = watch.ms();
+        report.timings = timings;
+        let reports = &mut report.instances;
+        reports.resize_with(self.instances.len(), InstanceReport::default);
+        for (i, out) in reports.iter_mut().enumerate() {
+            self.stepper.swap_report(i, out);
+        }
+        Ok(())
+    }
+
+    /// The steps of a frame.
+    async fn split_step(
+        &mut self,
+        split: &Split,
+        timings: &mut Timings,
+        observer: &mut Observer<'_>,
+    ) -> Result<()> {
+        for k in 0..split.count() {
+            if split.count() > 1 {
+                self.physics.settings.time_step = split.step(k);
+                let pairs = self.frames.iter().zip(&mut self.instances);
+                for (frame, instance) in pairs.filter(|(_, instance)| instance.active) {
+                    frame.drive(instance, split.part(k));
+                }
+            }
+            (self.substep(k + 1 == split.count(), timings, observer)).await?;
+        }
+        Ok(())
+    }
+
+    /// One step; the `last` of a frame completes the reports.
+    async fn substep(
+        &mut self,
+        last: bool,
+        timings: &mut Timings,
+        observer: &mut Observer<'_>,
+    ) -> Result<()> {
+        let watch = Stopwatch::start();
         let (physics, stepper) = (&self.physics, &mut self.stepper);
         let all = 0..self.instances.len();
         stepper.begin(all.clone(), physics, &self.instances)?;
@@ -167,22 +217,15 @@ impl<P: Potential> Simulation<P> {
         let mut each: Vec<(&Physics, &Instance)> = recycled(std::mem::take(&mut self.each));
         each.extend(self.instances.iter().map(|instance| (physics, instance)));
         let done = stepper
-            .minimise(&mut self.potential, &each, &mut timings, observer)
+            .minimise(&mut self.potential, &each, last, timings, observer)
             .await;
         self.each = recycled(each);
         done?;
-        stepper.commit(all.clone(), physics, &mut self.instances);
+        stepper.commit(all, physics, &mut self.instances, last);
         let evaluation = self.potential.timings();
-        timings.force = evaluation.force;
-        timings.hessian = evaluation.hessian;
-        timings.readback = evaluation.readback;
-        timings.step = watch.ms();
-        report.timings = timings;
-        let reports = &mut report.instances;
-        reports.resize_with(all.len(), InstanceReport::default);
-        for (i, out) in reports.iter_mut().enumerate() {
-            stepper.swap_report(i, out);
-        }
+        timings.force += evaluation.force;
+        timings.hessian += evaluation.hessian;
+        timings.readback += evaluation.readback;
         Ok(())
     }
 

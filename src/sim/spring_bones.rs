@@ -25,7 +25,6 @@
 use super::carried::CarriedBone;
 use super::instance::Instance;
 use crate::collider::Collider;
-use crate::math::{rotation_exp, rotation_log};
 use crate::model::{Frame, SpringBones, SpringJoint, State};
 use glam::{DMat3, DVec3};
 
@@ -74,7 +73,7 @@ impl Swing {
         time_step: f64,
         state: &mut State,
     ) {
-        self.start(springs, carried, instance, time_step);
+        self.start(springs, carried, instance);
         let substeps = substeps(time_step);
         let h = time_step / substeps as f64;
         let before = &instance.state.frames;
@@ -84,7 +83,7 @@ impl Swing {
             if k < substeps {
                 let pairs = before.iter().zip(&state.frames);
                 self.frames.clear();
-                self.frames.extend(pairs.map(|(a, b)| between(a, b, part)));
+                self.frames.extend(pairs.map(|(a, b)| a.between(b, part)));
             } else {
                 self.frames.clone_from(&state.frames);
             }
@@ -100,9 +99,9 @@ impl Swing {
         springs: &SpringBones,
         carried: &[CarriedBone],
         instance: &Instance,
-        time_step: f64,
     ) {
-        let (now, before) = (&instance.state.frames, &instance.previous.frames);
+        let history = &instance.history;
+        let (now, before) = (&instance.state.frames, &history.previous().frames);
         self.tails.clear();
         self.tails.extend(carried.iter().map(|of| {
             let joint = &springs.joints[of.spring?];
@@ -111,7 +110,7 @@ impl Swing {
             let space = space(springs, joint, now);
             Some(Tail {
                 position: space.inverse_transform(position),
-                velocity: space.rotation.transpose() * ((position - last) / time_step),
+                velocity: space.rotation.transpose() * ((position - last) / history.last_step()),
             })
         }));
     }
@@ -132,7 +131,7 @@ impl Swing {
         for solid in &mut self.solids {
             let end = solid.world_frame(frames);
             solid.frame = match solid.body {
-                None => between(&solid.previous, &end, part),
+                None => solid.previous.between(&end, part),
                 Some(_) => end,
             };
             solid.body = None;
@@ -209,7 +208,7 @@ impl Swing {
     }
 
     /// Gives the frames of spring bones in qⁿ⁻¹, `previous`, the velocities that their tails have in `state`, where a step
-    /// of `time_step` follows.
+    /// of `time_step` has led there.
     pub fn keep_velocities(
         &self,
         springs: &SpringBones,
@@ -270,15 +269,6 @@ fn gains(drag: f64, h: f64) -> (f64, f64) {
     (exponent.exp(), gain)
 }
 
-/// `part` of the way from `a` to `b`.
-fn between(a: &Frame, b: &Frame, part: f64) -> Frame {
-    let turn = rotation_log(b.rotation * a.rotation.transpose());
-    Frame {
-        rotation: rotation_exp(part * turn) * a.rotation,
-        position: a.position + part * (b.position - a.position),
-    }
-}
-
 /// The unit vector along `v`, without overflow; none where v = 0 or is not finite.
 fn direction(v: DVec3) -> Option<DVec3> {
     let size = v.abs().max_element();
@@ -321,6 +311,7 @@ fn shortest_turn(a: DVec3, b: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::rotation_log;
     use crate::math::Random;
 
     #[test]

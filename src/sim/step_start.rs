@@ -2,15 +2,20 @@
 
 use super::instance::Instance;
 use super::settings::Settings;
+use crate::model::InertialTarget;
 use crate::potential::StepStart;
 use crate::skeleton::SkeletonStart;
 use glam::DVec3;
 
+/// Where inertia draws to in the next step of an instance.
+pub(super) fn target<'a>(settings: &Settings, instance: &'a Instance) -> InertialTarget<'a> {
+    (instance.history).target(settings.integrator, settings.time_step)
+}
+
 /// What the skeleton's next step of an instance starts from.
 pub(super) fn skeleton_start<'a>(settings: &Settings, instance: &'a Instance) -> SkeletonStart<'a> {
     SkeletonStart {
-        time_step: settings.time_step,
-        previous: &instance.previous.frames,
+        inertia: target(settings, instance),
         current: &instance.state.frames,
         joint_stiffness: settings.joint_stiffness,
         bending: &instance.bending,
@@ -31,7 +36,7 @@ pub(super) fn tissue_start<'a>(
 ) -> StepStart<'a> {
     StepStart {
         time_step: settings.time_step,
-        previous: &instance.previous,
+        inertia: target(settings, instance),
         current: &instance.state,
         colliders: &instance.colliders,
         slip_speed: settings.slip_speed,

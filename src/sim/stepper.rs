@@ -121,7 +121,7 @@ impl Stepper {
                 minimisation.current.clone_from(&instance.state);
                 let skeleton = physics.skeleton.skeleton();
                 fall_back(skeleton, instance, fallback);
-                predict(skeleton, instance, iterate);
+                predict(skeleton, instance, &start.inertia, iterate);
                 minimisation.fixed.fill(false);
                 minimisation.prescribed.fill(false);
                 carried_bones(&physics.skeleton, instance, &mut minimisation.carried);
@@ -159,11 +159,12 @@ impl Stepper {
     }
 
     /// Minimises from what [`Stepper::begin`] left, lets spring bones swing, and poses the skin of the result. `each` is
-    /// every member in order.
+    /// every member in order. Only the `last` step of a frame reports on its end and poses the skin.
     pub async fn minimise<M: Members>(
         &mut self,
         members: &mut M,
         each: &[(&Physics, &Instance)],
+        last: bool,
         timings: &mut Timings,
         observer: &mut Observer<'_>,
     ) -> Result<()> {
@@ -179,7 +180,7 @@ impl Stepper {
             let settings = &physics.settings;
             mode = Some(settings.solver);
             offsets.push(instance.pose_offsets.as_slice());
-            (self.pinned).push(settings.report_at_end || !instance.pins.is_empty());
+            (self.pinned).push(last && (settings.report_at_end || !instance.pins.is_empty()));
             (self.previous_skins).push(instance.previous_skin());
             let captured = physics.captured_under_gravity;
             tissue_start(settings, captured, instance, &minimisation.prescribed)
@@ -213,6 +214,10 @@ impl Stepper {
                 return Err(Error::NotFinite { quantity: "state" });
             }
         }
+        if !last {
+            self.offsets = recycled(offsets);
+            return Ok(());
+        }
         let watch = Stopwatch::start();
         let wanted = self.pinned.iter().copied();
         self.ends.report(members, newton, wanted).await?;
@@ -236,6 +241,7 @@ impl Stepper {
         range: Range<usize>,
         physics: &Physics,
         instances: &mut [impl BorrowMut<Instance> + Send],
+        last: bool,
     ) {
         let newton = &mut self.newton;
         let (states, active) = (&newton.iterates.states, &newton.active);
@@ -243,9 +249,9 @@ impl Stepper {
         par_members(range.len(), parts, |i, (minimisation, instance)| {
             let member = range.start + i;
             let instance: &mut Instance = instance.borrow_mut();
-            instance.was_put = false;
+            instance.was_put &= !last;
             if active[member] {
-                commit(minimisation, &states[member], physics, instance);
+                commit(minimisation, &states[member], physics, instance, last);
             }
         });
     }
@@ -264,22 +270,37 @@ impl Stepper {
     }
 }
 
-/// Makes `state` the new state of an active instance and completes its report.
+/// Makes `state` the new state of an active instance and completes its report on the `last` step of a frame.
 fn commit(
     minimisation: &mut Minimisation,
     state: &State,
     physics: &Physics,
     instance: &mut Instance,
+    last: bool,
 ) {
-    std::mem::swap(&mut instance.previous, &mut instance.state);
+    let (integrator, time_step) = (physics.settings.integrator, physics.settings.time_step);
+    (instance.history).advance(&instance.state, integrator, time_step);
     instance.state.clone_from(state);
     minimisation.swing.keep_velocities(
         physics.skeleton.springs(),
         &minimisation.carried,
-        physics.settings.time_step,
+        time_step,
         &instance.state,
-        &mut instance.previous,
+        &mut instance.history.states_mut()[0],
     );
+    if last {
+        report(minimisation, physics, instance);
+    }
+    for target in &mut instance.targets {
+        target.advance();
+    }
+    for collider in &mut instance.colliders {
+        collider.previous = collider.frame;
+    }
+}
+
+/// Completes the report on a step that has ended.
+fn report(minimisation: &mut Minimisation, physics: &Physics, instance: &Instance) {
     let frames = &instance.state.frames;
     let report = &mut minimisation.report;
     report.max_joint_gap = joint_gap(physics.skeleton.skeleton(), frames);
@@ -300,10 +321,4 @@ fn commit(
         torque: block(2 * pin.bone + 1),
     });
     report.loads.extend(tracking.chain(pins));
-    for target in &mut instance.targets {
-        target.previous = target.frame;
-    }
-    for collider in &mut instance.colliders {
-        collider.previous = collider.frame;
-    }
 }

@@ -2,13 +2,13 @@
 
 use super::term::{FrameHessian, FrameTerm, add_block};
 use crate::math::skew;
-use crate::model::{BoneMass, Frame};
+use crate::model::{BoneMass, Frame, InertialTarget};
 use glam::{DMat3, DVec3};
 
-/// E = 1/(2h²) tr((A − Â) S (A − Â)ᵀ), A = \[R | c\] (3×4), Â = 2Aⁿ − Aⁿ⁻¹.
+/// E = 1/(2h̃²) tr((A − Â) S (A − Â)ᵀ), A = \[R | c\] (3×4), Â = Σ c_k Aⁿ⁻ᵏ.
 ///
-/// S = ∫ρ y yᵀ dV, y = (X − J, 1): exactly Σ m/(2h²) |x − x̂|² over the bone's own matter. Its
-/// Gauss–Newton Hessian is the rigid body's mass matrix over h².
+/// S = ∫ρ y yᵀ dV, y = (X − J, 1): exactly Σ m/(2h̃²) |x − x̂|² over the bone's own matter. Its
+/// Gauss–Newton Hessian is the rigid body's mass matrix over h̃².
 #[derive(Clone, Copy, Debug)]
 pub struct BoneInertia {
     bone: usize,
@@ -16,21 +16,20 @@ pub struct BoneInertia {
     second: DMat3,
     first: DVec3,
     mass: f64,
-    /// 1/h².
+    /// 1/h̃².
     inverse_square_step: f64,
-    /// Aⁿ, and Aⁿ − Aⁿ⁻¹ in place of Â, so that increments are all that is ever subtracted.
+    /// Aⁿ, and Â − Aⁿ in place of Â, so that increments are all that is ever subtracted.
     current: Frame,
-    increment: (DMat3, DVec3),
+    inertial: (DMat3, DVec3),
 }
 
 impl BoneInertia {
-    /// The term of `bone` in a step of `time_step` from `current`, coming from `previous`.
+    /// The term of `bone` in a step from `current`.
     pub fn new(
         bone: usize,
         mass: &BoneMass,
-        previous: &Frame,
+        target: &InertialTarget<'_>,
         current: &Frame,
-        time_step: f64,
     ) -> Self {
         let (second, (total, first)) = (mass.second(), mass.moments());
         Self {
@@ -38,20 +37,17 @@ impl BoneInertia {
             second,
             first,
             mass: total,
-            inverse_square_step: 1.0 / (time_step * time_step),
+            inverse_square_step: 1.0 / (target.step * target.step),
             current: *current,
-            increment: (
-                current.rotation - previous.rotation,
-                current.position - previous.position,
-            ),
+            inertial: target.frame(bone, current),
         }
     }
 
-    /// A − Â = (A − Aⁿ) − (Aⁿ − Aⁿ⁻¹).
+    /// A − Â = (A − Aⁿ) − (Â − Aⁿ).
     fn deviation(&self, frame: &Frame) -> (DMat3, DVec3) {
         (
-            frame.rotation - self.current.rotation - self.increment.0,
-            frame.position - self.current.position - self.increment.1,
+            frame.rotation - self.current.rotation - self.inertial.0,
+            frame.position - self.current.position - self.inertial.1,
         )
     }
 

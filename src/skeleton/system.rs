@@ -7,7 +7,7 @@ use super::joint::JointSpring;
 use super::limit::{JointLimit, LimitSpring};
 use super::term::{FrameHessian, FrameTerm};
 use super::tracking::{Tracking, TrackingSpring};
-use crate::model::{Avatar, BoneMass, Frame, Skeleton, SpringBones};
+use crate::model::{Avatar, BoneMass, Frame, InertialTarget, Skeleton, SpringBones};
 use crate::potential::BlockPattern;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -74,10 +74,8 @@ impl SkeletonModel {
 /// What a step of the skeleton starts from.
 #[derive(Clone, Copy, Debug)]
 pub struct SkeletonStart<'a> {
-    /// h, s.
-    pub time_step: f64,
-    /// Frames of qⁿ⁻¹.
-    pub previous: &'a [Frame],
+    /// Where inertia draws to, and how the step differentiates.
+    pub inertia: InertialTarget<'a>,
     /// Frames of qⁿ.
     pub current: &'a [Frame],
     /// k of the joint springs, N/m.
@@ -150,8 +148,7 @@ impl SkeletonPotential {
         self.inertia.clear();
         let masses = model.masses.iter().enumerate().filter(|(j, _)| moves(*j));
         self.inertia.extend(masses.map(|(j, mass)| {
-            let (previous, current) = (&start.previous[j], &start.current[j]);
-            BoneInertia::new(j, mass, previous, current, start.time_step)
+            BoneInertia::new(j, mass, &start.inertia, &start.current[j])
         }));
         self.joints.clear();
         let joint = |(child, parent): (usize, usize)| JointSpring {
@@ -178,7 +175,7 @@ impl SkeletonPotential {
             })
         }));
         self.tracking.clear();
-        let target = |&target| TrackingSpring::new(target, start.current, start.time_step);
+        let target = |&target| TrackingSpring::new(target, start.current, &start.inertia);
         let targets = start.targets.iter().filter(|target| moves(target.bone));
         self.tracking.extend(targets.map(target));
         let tissue = model.tissue.as_ref().map(|t| (t, start.tissue_gravity));

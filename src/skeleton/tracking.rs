@@ -3,7 +3,7 @@
 use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::term::{FrameHessian, FrameTerm, Residual};
 use crate::math::rotation_log;
-use crate::model::Frame;
+use crate::model::{Frame, InertialTarget};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,9 @@ pub struct Tracking {
     pub frame: Frame,
     /// Target at its start.
     pub previous: Frame,
+    /// Target at the start of the step before.
+    #[serde(skip, default = "nowhere")]
+    pub earlier: Frame,
     /// How the rotation is drawn to the target's; N·m/rad, N·m·s.
     pub rotation: Option<Spring>,
     /// How the joint is drawn to the target's position; N/m, N·s/m.
@@ -47,32 +50,56 @@ impl Tracking {
             bone,
             frame,
             previous: frame,
+            earlier: frame,
             rotation: spring(1e3),
             position: spring(1e5),
         }
     }
+
+    /// A step is done: where the target is now is where it was.
+    pub(crate) fn advance(&mut self) {
+        self.earlier = self.previous;
+        self.previous = self.frame;
+    }
+
+    /// It has been here all the time.
+    pub(crate) fn rest(&mut self) {
+        self.previous = self.frame;
+        self.earlier = self.frame;
+    }
 }
 
-/// E = ½ k |r|² + ½ d/h |r − rⁿ|² for the rotation, r = log(R̂ᵀR), and the same for the position,
-/// r = c − ĉ. R̂, ĉ are the target's at the step's end, and rⁿ is r at its start against the target
-/// there, so that the damper sees the velocity relative to the target's.
+/// What is read from where no earlier place is kept; see [`Tracking::earlier`].
+fn nowhere() -> Frame {
+    Frame::IDENTITY
+}
+
+/// E = ½ k |r|² + ½ d/h̃ |r − r̃|² for the rotation, r = log(R̂ᵀR), and the same for the position,
+/// r = c − ĉ. R̂, ĉ are the target's at the step's end, and r̃ = a₀ rⁿ − a₁ rⁿ⁻¹, each r against the target
+/// of its time, so that the damper sees the velocity relative to the target's.
 ///
 /// With R ← exp(\[δω\]) R: δr = J_l⁻¹(r) R̂ᵀ δω.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackingSpring {
     target: Tracking,
-    time_step: f64,
-    /// rⁿ of rotation and position.
+    /// h̃, s.
+    step: f64,
+    /// r̃ of rotation and position.
     start: (DVec3, DVec3),
 }
 
 impl TrackingSpring {
-    /// The term of `target` in a step of `time_step` that starts from `current`.
-    pub fn new(target: Tracking, current: &[Frame], time_step: f64) -> Self {
-        let start = residuals(&target.previous, &current[target.bone]);
+    /// The term of `target` in a step that starts from `current`.
+    pub fn new(target: Tracking, current: &[Frame], inertia: &InertialTarget<'_>) -> Self {
+        let mut start = residuals(&target.previous, &current[target.bone]);
+        if let ([before, ..], true) = (inertia.past, inertia.drift != 0.0) {
+            let earlier = residuals(&target.earlier, &before.frames[target.bone]);
+            start.0 += inertia.drift * (start.0 - earlier.0);
+            start.1 += inertia.drift * (start.1 - earlier.1);
+        }
         Self {
             target,
-            time_step,
+            step: inertia.step,
             start,
         }
     }
@@ -93,7 +120,7 @@ impl TrackingSpring {
         (force[1], force[0])
     }
 
-    /// For rotation, then position: the spring, r, rⁿ and ∂r/∂(ω or c).
+    /// For rotation, then position: the spring, r, r̃ and ∂r/∂(ω or c).
     fn parts(&self, frames: &[Frame]) -> [(Option<Spring>, DVec3, DVec3, DMat3); 2] {
         let target = &self.target;
         let (rotation, position) = residuals(&target.frame, &frames[target.bone]);
@@ -106,7 +133,7 @@ impl TrackingSpring {
 
     /// ∂E/∂r.
     fn slope_of_energy(&self, spring: Spring, r: DVec3, start: DVec3) -> DVec3 {
-        spring.stiffness * r + spring.damping / self.time_step * (r - start)
+        spring.stiffness * r + spring.damping / self.step * (r - start)
     }
 }
 
@@ -147,7 +174,7 @@ impl FrameTerm for TrackingSpring {
                 jacobian: [(block, slope)],
             };
             residual.add_gradient(self.slope_of_energy(spring, r, start), gradient);
-            residual.add_hessian(spring.stiffness + spring.damping / self.time_step, hessian);
+            residual.add_hessian(spring.stiffness + spring.damping / self.step, hessian);
         }
     }
 

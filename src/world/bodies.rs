@@ -50,7 +50,7 @@ impl World {
     /// A key of none.
     pub fn body_motion(&self, body: BodyId) -> Result<(Frame, Frame)> {
         let instance = &self.body(body)?.instance;
-        Ok((instance.previous.frames[0], instance.state.frames[0]))
+        Ok((instance.history.previous().frames[0], instance.state.frames[0]))
     }
 
     /// What the last step said of a body. Its contact force is what colliders and avatars exert on it; that of avatars on
@@ -78,10 +78,10 @@ impl World {
         if !(velocity.is_finite() && angular_velocity.is_finite()) {
             return Err(Error::invalid("velocity", "is not finite"));
         }
-        let time_step = self.settings.time_step;
         let asset = self.bodies.get(body).ok_or_else(|| gone("body"))?.asset;
         let instance = &mut self.batches[asset].characters[0].instance;
-        instance.set_motion(0, *frame, velocity, angular_velocity, time_step);
+        instance.history.rest(&instance.state);
+        instance.set_motion(0, *frame, velocity, angular_velocity);
         Ok(())
     }
 

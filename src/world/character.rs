@@ -1,8 +1,9 @@
 //! One avatar that stands in a world: what drives it, between steps.
 
-use crate::model::{Avatar, Frame, State};
+use crate::model::{Avatar, Frame, Integrator, State};
 use crate::potential::TissueFactors;
 use crate::potential::cpu::skin_displacement;
+use crate::skeleton::Tracking;
 use crate::sim::{Instance, InstanceReport, Settings, SpringMode};
 use crate::{Error, Result};
 use glam::{DVec3, Mat4};
@@ -152,13 +153,15 @@ impl Character {
         let instance = &mut self.instance;
         let move_frame =
             |frame: &mut Frame| *frame = motion.compose(frame).moved(DVec3::ZERO, DVec3::ZERO);
-        for state in [&mut instance.state, &mut instance.previous] {
+        let past = instance.history.states_mut().iter_mut();
+        for state in std::iter::once(&mut instance.state).chain(past) {
             state.frames[..bones].iter_mut().for_each(move_frame);
         }
         (instance.pins.iter_mut()).for_each(|pin| move_frame(&mut pin.frame));
         for target in &mut instance.targets {
             move_frame(&mut target.frame);
             move_frame(&mut target.previous);
+            move_frame(&mut target.earlier);
         }
         instance.was_put = true;
         self.placement = *placement;
@@ -170,7 +173,7 @@ impl Character {
         self.snap();
         let state = &mut self.instance.state;
         state.handles.fill(DVec3::ZERO);
-        self.instance.previous.clone_from(state);
+        self.instance.history.rest(state);
         self.instance.was_put = true;
     }
 
@@ -183,10 +186,9 @@ impl Character {
     pub fn wake(&mut self) {
         if !self.awake {
             let instance = &mut self.instance;
-            instance
-                .previous
-                .handles
-                .clone_from(&instance.state.handles);
+            for past in instance.history.states_mut() {
+                past.handles.clone_from(&instance.state.handles);
+            }
         }
         self.awake = true;
     }
@@ -243,9 +245,9 @@ impl Character {
     }
 
     /// A step of one that sleeps: the bones follow, the tissue rides on them.
-    pub(super) fn ride(&mut self) {
+    pub(super) fn ride(&mut self, integrator: Integrator, time_step: f64) {
         let instance = &mut self.instance;
-        instance.previous.clone_from(&instance.state);
+        (instance.history).advance(&instance.state, integrator, time_step);
         if matches!(self.driving, Driving::Followed | Driving::Tracked) {
             let mut before = std::mem::take(&mut self.frames);
             before.clone_from(&self.instance.state.frames);
@@ -253,9 +255,7 @@ impl Character {
             self.keep_swing(&before);
             self.frames = before;
         }
-        for target in &mut self.instance.targets {
-            target.previous = target.frame;
-        }
+        self.instance.targets.iter_mut().for_each(Tracking::advance);
     }
 
     /// Turns what spring bones carry, them included, against their parents as in `before`.
@@ -293,11 +293,9 @@ impl Character {
             self.snap();
         }
         let instance = &mut self.instance;
-        instance.previous.clone_from(&instance.state);
+        instance.history.rest(&instance.state);
         instance.was_put = true;
-        for target in &mut instance.targets {
-            target.previous = target.frame;
-        }
+        instance.targets.iter_mut().for_each(Tracking::rest);
     }
 
     /// Gives the frames that stand for bodies room.
@@ -305,7 +303,8 @@ impl Character {
         self.avatar = avatar.clone();
         let frames = avatar.skeleton.len();
         let instance = &mut self.instance;
-        for state in [&mut instance.state, &mut instance.previous] {
+        let past = instance.history.states_mut().iter_mut();
+        for state in std::iter::once(&mut instance.state).chain(past) {
             state.frames.resize(frames, Frame::IDENTITY);
         }
         let bending = instance.bending[0];

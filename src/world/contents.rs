@@ -4,6 +4,7 @@ use super::backend::{Backend, Evaluator, Opened, Room, gone};
 use super::batch::Batch;
 use super::character::{Character, rigid};
 use super::evaluators::Evaluators;
+use super::frame::WorldFrame;
 use super::keys::{AvatarId, BodyId, ColliderId, InstanceId};
 use super::meetings::Meetings;
 use crate::Result;
@@ -47,6 +48,8 @@ pub struct World {
     pub(super) timings: Timings,
     /// Whether the posed skins are those of the states.
     pub(super) posed: bool,
+    /// What drives everything over a frame that takes several steps.
+    pub(super) frame: WorldFrame,
     /// Memory of the list of all members.
     pub(super) each: Vec<(&'static Physics, &'static Instance)>,
 }
@@ -86,6 +89,7 @@ impl World {
             meetings: Meetings::default(),
             timings: Timings::default(),
             posed: false,
+            frame: WorldFrame::default(),
             each: Vec::new(),
         })
     }

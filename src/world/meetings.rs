@@ -53,7 +53,7 @@ impl Meetings {
 fn travel(batch: &Batch, place: usize) -> f64 {
     let instance = &batch.characters[place].instance;
     let apart = |a: &Frame, b: &Frame| a.position.distance(b.position);
-    let frames = instance.state.frames.iter().zip(&instance.previous.frames);
+    let frames = instance.state.frames.iter().zip(&instance.history.previous().frames);
     let last = frames.take(batch.avatar.bones()).map(|(a, b)| apart(a, b));
     let pins = instance.pins.iter();
     let driven = pins.map(|pin| apart(&pin.frame, &instance.state.frames[pin.bone]));
@@ -174,12 +174,11 @@ impl World {
         for meeting in meetings {
             let found = &self.bodies[meeting.body];
             let of_body = &self.batches[found.asset].characters[0].instance;
-            let (state, previous) = (of_body.state.frames[0], of_body.previous.frames[0]);
+            let state = of_body.state.frames[0];
             let batch = &mut self.batches[meeting.asset];
             let frame = batch.avatar.bones() + meeting.slot;
             let instance = &mut batch.characters[meeting.place].instance;
             instance.state.frames[frame] = state;
-            instance.previous.frames[frame] = previous;
             instance.colliders.push(Collider {
                 body: Some(frame as u32),
                 ..found.collider.clone()

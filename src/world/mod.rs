@@ -32,6 +32,7 @@ mod contacts;
 mod contents;
 mod driving;
 mod evaluators;
+mod frame;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod keys;

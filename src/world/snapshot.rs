@@ -7,7 +7,7 @@ use super::contents::{Body, World};
 use super::keys::{BodyId, ColliderId, InstanceId};
 use crate::collider::Collider;
 use crate::file::Section;
-use crate::model::{Avatar, Frame, State, UpAxis};
+use crate::model::{Avatar, Frame, History, Integrator, State, UpAxis};
 use crate::potential::TissueFactors;
 use crate::sim::{Pin, Settings, SolverMode, SpringMode};
 use crate::skeleton::{Bending, JointLimit, Tracking};
@@ -29,6 +29,9 @@ const ASSETS: [u8; 4] = *b"ASST";
 const INSTANCES: [u8; 4] = *b"INST";
 const DRIVERS: [u8; 4] = *b"DRIV";
 const SPRINGS: [u8; 4] = *b"SPRG";
+/// Without it the states say a velocity and no more, and steps are as they were: of backward Euler.
+const HISTORY: [u8; 4] = *b"HIST";
+const INTEGRATION: [u8; 4] = *b"INTG";
 const OFFSETS: [u8; 4] = *b"OFFS";
 const BODIES: [u8; 4] = *b"BODY";
 const COLLIDERS: [u8; 4] = *b"COLL";
@@ -61,7 +64,7 @@ impl From<Settings> for StoredSettings {
         Self {
             time_step: settings.time_step,
             converged: match settings.solver {
-                SolverMode::OneIteration => None,
+                SolverMode::OneIteration | SolverMode::Budgeted { .. } => None,
                 SolverMode::Converged {
                     tolerance,
                     max_iterations,
@@ -85,6 +88,8 @@ impl From<StoredSettings> for Settings {
         };
         Self {
             time_step: stored.time_step,
+            integrator: Integrator::BackwardEuler,
+            longest_step: Settings::default().longest_step,
             solver: stored.converged.map_or(SolverMode::OneIteration, converged),
             joint_stiffness: stored.joint_stiffness,
             bending_stiffness: stored.bending_stiffness,
@@ -107,6 +112,22 @@ struct StoredAsset {
 struct StoredState {
     state: State,
     previous: State,
+}
+
+/// What [`StoredSettings`] do not say.
+#[derive(Serialize, Deserialize)]
+struct StoredIntegration {
+    bdf2: bool,
+    longest_step: f64,
+    /// Of the budgeted solver.
+    budget: Option<usize>,
+}
+
+/// What came before a state, and where each target was.
+#[derive(Serialize, Deserialize)]
+struct StoredHistory {
+    history: History,
+    earlier_targets: Vec<Frame>,
 }
 
 /// What the states do not say of spring bones.
@@ -134,7 +155,7 @@ impl Character {
         let instance = self.instance();
         StoredState {
             state: instance.state.clone(),
-            previous: instance.previous.clone(),
+            previous: instance.history.previous().clone(),
         }
     }
 
@@ -153,6 +174,14 @@ impl Character {
         }
     }
 
+    fn stored_history(&self) -> StoredHistory {
+        let instance = self.instance();
+        StoredHistory {
+            history: instance.history.clone(),
+            earlier_targets: instance.targets.iter().map(|t| t.earlier).collect(),
+        }
+    }
+
     fn stored_springs(&self) -> StoredSprings {
         let instance = self.instance();
         StoredSprings {
@@ -161,18 +190,46 @@ impl Character {
         }
     }
 
-    fn restore_state(&mut self, stored: StoredState) -> Result<()> {
-        let like = self.instance.state.clone();
-        self.instance.state = stored.state;
-        self.instance.previous = stored.previous;
-        self.instance.validate(&like)
+    /// `time_step` is that which led to the state, s.
+    fn restore_state(
+        &mut self,
+        stored: StoredState,
+        history: Option<StoredHistory>,
+        time_step: f64,
+    ) -> Result<()> {
+        let instance = &mut self.instance;
+        let like = instance.state.clone();
+        instance.state = stored.state;
+        match history {
+            Some(stored) => {
+                if stored.earlier_targets.len() != instance.targets.len() {
+                    return Err(damaged());
+                }
+                let targets = instance.targets.iter_mut().zip(stored.earlier_targets);
+                targets.for_each(|(target, earlier)| target.earlier = earlier);
+                instance.history = stored.history;
+            }
+            None => {
+                let spaces = (stored.previous.space(), instance.state.space());
+                if spaces.0 != spaces.1 {
+                    return Err(damaged());
+                }
+                let history = &mut instance.history;
+                history.set_previous(&stored.previous, &instance.state, time_step);
+                let targets = instance.targets.iter_mut();
+                targets.for_each(|target| target.earlier = target.previous);
+            }
+        }
+        instance.validate(&like)
     }
 
     fn restore(
         &mut self,
         state: StoredState,
+        history: Option<StoredHistory>,
         driver: StoredDriver,
         springs: &StoredSprings,
+        time_step: f64,
     ) -> Result<()> {
         let instance = &mut self.instance;
         instance.targets = driver.targets;
@@ -183,7 +240,7 @@ impl Character {
         instance.factors = driver.factors;
         instance.springs = springs.mode;
         instance.file_axes = springs.file_axes;
-        self.restore_state(state)?;
+        self.restore_state(state, history, time_step)?;
         self.restore_driving(driver.driving, &driver.placement, driver.awake)
     }
 }
@@ -211,6 +268,17 @@ impl World {
         let springs: Vec<_> = characters().map(Character::stored_springs).collect();
         let offsets: Vec<_> = (characters().map(|c| c.instance.pose_offsets.as_slice())).collect();
         let body_states: Vec<_> = of_bodies().map(Character::stored_state).collect();
+        let histories: Vec<_> = (characters().chain(of_bodies()))
+            .map(Character::stored_history)
+            .collect();
+        let integration = StoredIntegration {
+            bdf2: self.settings.integrator == Integrator::Bdf2,
+            longest_step: self.settings.longest_step,
+            budget: match self.settings.solver {
+                SolverMode::Budgeted { max_iterations } => Some(max_iterations),
+                _ => None,
+            },
+        };
         let world = StoredWorld {
             settings: self.settings.into(),
             up: self.up,
@@ -226,6 +294,8 @@ impl World {
                 section(OFFSETS, &offsets)?,
                 section(BODIES, &(&self.bodies, body_states))?,
                 section(COLLIDERS, &self.colliders)?,
+                section(HISTORY, &histories)?,
+                section(INTEGRATION, &integration)?,
             ],
         })
     }
@@ -238,7 +308,16 @@ impl World {
     /// was.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let world: StoredWorld = read(snapshot, WORLD)?;
-        let settings = Settings::from(world.settings);
+        let mut settings = Settings::from(world.settings);
+        if let Some(stored) = read_optional::<StoredIntegration>(snapshot, INTEGRATION)? {
+            settings.longest_step = stored.longest_step;
+            if stored.bdf2 {
+                settings.integrator = Integrator::Bdf2;
+            }
+            if let Some(max_iterations) = stored.budget {
+                settings.solver = SolverMode::Budgeted { max_iterations };
+            }
+        }
         settings.validate().map_err(|e| e.within("snapshot"))?;
         let assets: Vec<StoredAsset> = read(snapshot, ASSETS)?;
         let avatars = self.check_assets(&assets)?;
@@ -250,6 +329,7 @@ impl World {
         let (mut bodies, body_states): (SlotMap<BodyId, Body>, Vec<StoredState>) =
             read(snapshot, BODIES)?;
         let colliders: SlotMap<ColliderId, Collider> = read(snapshot, COLLIDERS)?;
+        let histories: Option<Vec<StoredHistory>> = read_optional(snapshot, HISTORY)?;
         for collider in colliders.values() {
             (collider.validate()).map_err(|e| e.within("snapshot.colliders"))?;
         }
@@ -257,13 +337,16 @@ impl World {
             && states.len() == drivers.len()
             && states.len() == springs.len()
             && states.len() == offsets.len()
-            && bodies.len() == body_states.len();
+            && bodies.len() == body_states.len()
+            && (histories.iter()).all(|h| h.len() == states.len() + body_states.len());
         if !counted || !world.gravity.is_finite() {
             return Err(damaged());
         }
         for (asset, stored) in assets.iter().enumerate() {
             self.make_room(asset, stored.room)?;
         }
+        let mut histories = histories.into_iter().flatten();
+        let time_step = settings.time_step;
         let mut characters = Vec::new();
         let stored = states.into_iter().zip(drivers).zip(springs).zip(offsets);
         for (&place, (((state, driver), springs), offsets)) in instances.values().zip(stored) {
@@ -271,7 +354,7 @@ impl World {
             let batch = batch.filter(|b| place.1 < b.characters.len());
             let batch = batch.ok_or_else(damaged)?;
             let mut character = batch.character(world.gravity, &Frame::IDENTITY);
-            let restored = (character.restore(state, driver, &springs))
+            let restored = (character.restore(state, histories.next(), driver, &springs, time_step))
                 .and_then(|()| character.set_pose_offsets(&offsets));
             restored.map_err(|e| e.within("snapshot"))?;
             characters.push((place, character));
@@ -281,7 +364,7 @@ impl World {
         for (body, state) in bodies.values_mut().zip(body_states) {
             let (mut batch, evaluator) =
                 Batch::of_body(&mut self.opened, &body.rigid, settings, world.gravity)?;
-            batch.characters[0].restore_state(state)?;
+            batch.characters[0].restore_state(state, histories.next(), time_step)?;
             made.push((body.asset, batch, evaluator));
         }
         made.sort_by_key(|(asset, ..)| *asset);
@@ -348,6 +431,12 @@ fn section(tag: [u8; 4], content: &impl Serialize) -> Result<Section> {
         version: VERSION,
         content: written.map_err(|e| Error::invalid("snapshot", e.to_string()))?,
     })
+}
+
+/// [`read`], if it is there.
+fn read_optional<T: DeserializeOwned>(snapshot: &Snapshot, tag: [u8; 4]) -> Result<Option<T>> {
+    let there = snapshot.sections.iter().any(|s| s.tag == tag);
+    there.then(|| read(snapshot, tag)).transpose()
 }
 
 fn read<T: DeserializeOwned>(snapshot: &Snapshot, tag: [u8; 4]) -> Result<T> {

@@ -1,9 +1,10 @@
 //! A step of a world.
 
+use super::character::Character;
 use super::contents::World;
 use super::evaluators::Evaluators;
 use crate::math::{Stopwatch, recycled};
-use crate::sim::{Instance, Physics, Stepper, Timings};
+use crate::sim::{Instance, Physics, Split, Stepper, Timings};
 use crate::{Error, Result};
 
 /// The longest time step, s: a longer one is a jump in time, in which nothing swings.
@@ -11,7 +12,10 @@ pub const LONGEST_STEP: f64 = 0.14;
 
 impl World {
     /// Moves everything on by `time_step`, s, which is the time that the host's bones, targets and colliders took from
-    /// where they were at the last step to where they are now. One longer than [`LONGEST_STEP`] is a jump: bones are put
+    /// where they were at the last step to where they are now: hand in the time between the two frames of animation, not that
+    /// of the display, since 1 ms of difference at 2 m/s shakes the tissue by 2 mm. A frame longer than
+    /// [`Settings::longest_step`](crate::sim::Settings::longest_step), or much longer than the last, takes several steps, in
+    /// which all of these move evenly. One longer than [`LONGEST_STEP`] is a jump: bones are put
     /// where they are driven to, and tissue goes with them.
     ///
     /// # Errors
@@ -24,20 +28,62 @@ impl World {
             return Err(Error::invalid("time_step", problem));
         }
         let jump = time_step > LONGEST_STEP;
-        self.set_time_step(time_step.min(LONGEST_STEP));
+        let time_step = time_step.min(LONGEST_STEP);
+        let split = self.split(time_step, jump);
+        if split.count() > 1 {
+            self.begin_frame();
+        }
+        let mut timings = Timings::default();
+        for k in 0..split.count() {
+            if split.count() > 1 {
+                self.drive_frame(split.part(k));
+            }
+            let last = k + 1 == split.count();
+            let done = self.substep(split.step(k), jump, last, &mut timings).await;
+            if done.is_err() && split.count() > 1 {
+                self.undo_frame();
+            }
+            done?;
+        }
+        self.settings.time_step = time_step;
+        self.posed = true;
+        timings.step = watch.ms();
+        self.timings = timings;
+        Ok(())
+    }
+
+    /// How a frame is cut into steps.
+    fn split(&self, time_step: f64, jump: bool) -> Split {
+        let takes_part = |(character, used): &(&Character, &bool)| {
+            **used && !jump && character.awake
+        };
+        let characters = (self.batches.iter()).flat_map(|b| b.characters.iter().zip(&b.used));
+        let active = characters.filter(takes_part).map(|(c, _)| &c.instance);
+        Split::new(&self.settings, time_step, active)
+    }
+
+    /// One step; the `last` of a frame completes the reports.
+    async fn substep(
+        &mut self,
+        time_step: f64,
+        jump: bool,
+        last: bool,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let watch = Stopwatch::start();
+        self.settings.time_step = time_step;
+        for batch in &mut self.batches {
+            batch.physics.settings.time_step = time_step;
+        }
         self.choose(jump);
         self.meet()?;
         self.number()?;
         self.list_links();
-        let mut timings = Timings::default();
         self.begin()?;
-        timings.skeleton = watch.ms();
-        self.minimise(&mut timings).await?;
-        self.commit();
-        self.posed = true;
-        self.report(&mut timings);
-        timings.step = watch.ms();
-        self.timings = timings;
+        timings.skeleton += watch.ms();
+        self.minimise(last, timings).await?;
+        self.commit(last);
+        self.add_timings(timings);
         Ok(())
     }
 
@@ -50,28 +96,16 @@ impl World {
         pollster::block_on(self.step(time_step))
     }
 
-    /// Velocities stay what they are where the time step changes.
-    fn set_time_step(&mut self, time_step: f64) {
-        let ratio = time_step / self.settings.time_step;
-        self.settings.time_step = time_step;
-        for batch in &mut self.batches {
-            if ratio != 1.0 {
-                let instances = batch.characters.iter_mut().map(|c| &mut c.instance);
-                instances.for_each(|instance| instance.stretch_last_step(ratio));
-            }
-            batch.physics.settings.time_step = time_step;
-        }
-    }
-
     /// Decides who takes part; those who do not go where they are driven to.
     fn choose(&mut self, jump: bool) {
+        let (integrator, time_step) = (self.settings.integrator, self.settings.time_step);
         for batch in &mut self.batches {
             for (character, used) in batch.characters.iter_mut().zip(&batch.used) {
                 character.instance.active = *used && character.awake && !jump;
                 if *used && jump {
                     character.jump();
                 } else if *used && !character.awake {
-                    character.ride();
+                    character.ride(integrator, time_step);
                 }
             }
         }
@@ -126,7 +160,7 @@ impl World {
         Ok(())
     }
 
-    async fn minimise(&mut self, timings: &mut Timings) -> Result<()> {
+    async fn minimise(&mut self, last: bool, timings: &mut Timings) -> Result<()> {
         let Some(stepper) = &mut self.stepper else {
             return Ok(());
         };
@@ -138,31 +172,34 @@ impl World {
         }
         let evaluators: &mut Evaluators = &mut self.evaluators;
         let done = stepper
-            .minimise(evaluators, &each, timings, &mut |_| ())
+            .minimise(evaluators, &each, last, timings, &mut |_| ())
             .await;
         self.each = recycled(each);
         done
     }
 
-    fn commit(&mut self) {
+    fn commit(&mut self, last: bool) {
         let Some(stepper) = &mut self.stepper else {
             return;
         };
         for batch in &mut self.batches {
-            stepper.commit(batch.members(), &batch.physics, &mut batch.characters);
+            stepper.commit(batch.members(), &batch.physics, &mut batch.characters, last);
             for (member, character) in batch.members().zip(&mut batch.characters) {
-                stepper.swap_report(member, &mut character.report);
+                if last {
+                    stepper.swap_report(member, &mut character.report);
+                }
                 character.fresh = false;
             }
         }
-        self.meetings
-            .report_pushes(stepper, &self.bodies, &mut self.batches);
+        if last {
+            (self.meetings).report_pushes(stepper, &self.bodies, &mut self.batches);
+        }
         for collider in self.colliders.values_mut() {
             collider.previous = collider.frame;
         }
     }
 
-    fn report(&self, timings: &mut Timings) {
+    fn add_timings(&self, timings: &mut Timings) {
         let evaluation = self.evaluators.timings();
         timings.force += evaluation.force;
         timings.hessian += evaluation.hessian;

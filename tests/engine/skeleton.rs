@@ -6,7 +6,7 @@ use supple::internal::features::pose_feature;
 use supple::internal::math::Random;
 use supple::internal::skeleton::{BoneInertia, FrameGravity, FrameTerm, TissueMoments};
 use supple::internal::{pose_offsets, random_avatar};
-use supple::model::{Avatar, Frame};
+use supple::model::{Avatar, Frame, InertialTarget, State};
 
 const BONES: usize = 3;
 const TIME_STEP: f64 = 0.01;
@@ -41,11 +41,25 @@ fn bone_inertia_is_that_of_its_matter() {
         }
     }
     let mass = supple::model::BoneMass { second_moment };
-    let [previous, current, a, b] = [0; 4].map(|_| frames(random, 1.0, 0.02)[0]);
-    let term = BoneInertia::new(0, &mass, &previous, &current, TIME_STEP);
+    let [previous, earlier, current, a, b] = [0; 5].map(|_| frames(random, 1.0, 0.02)[0]);
+    let [previous, earlier] = [previous, earlier].map(|frame| State {
+        frames: vec![frame],
+        handles: Vec::new(),
+    });
+    // As after two steps of unlike lengths.
+    let weights = [-2.4, 0.9, 0.0];
+    let past = [previous, earlier];
+    let target = InertialTarget {
+        past: &past,
+        weights,
+        drift: 0.3,
+        step: TIME_STEP,
+    };
+    let term = BoneInertia::new(0, &mass, &target, &current);
     let energy = |frame: &Frame| -> f64 {
         let inertia = |&(mass, y): &(f64, DVec3)| {
-            let predicted = 2.0 * current.transform(y) - previous.transform(y);
+            let moved = |k: usize| past[k].frames[0].transform(y) - current.transform(y);
+            let predicted = current.transform(y) + weights[0] * moved(0) + weights[1] * moved(1);
             0.5 * mass * (frame.transform(y) - predicted).length_squared() / TIME_STEP.powi(2)
         };
         grains.iter().map(inertia).sum()

@@ -4,7 +4,7 @@ use super::asset::Asset;
 use super::compact::lag;
 use super::contact::{Candidate, contact, contact_point, may_touch};
 use super::displacement::{FrameMotion, displacement, unposed_displacement};
-use super::elasticity::Damping;
+use super::elasticity::{Damping, displacement_gradient};
 use super::friction::{Lagged, Slip, carried};
 use super::point_start::PointStarts;
 use super::pose_blend::add_offsets;
@@ -32,14 +32,14 @@ pub(super) struct Touching {
 
 /// The start of one instance's step.
 pub(super) struct Step {
-    /// h, s; 0 before the first step.
-    pub time_step: f64,
+    /// h̃, s; 0 before the first step.
+    pub inertial_step: f64,
     /// The root's joint at tⁿ: frames and colliders are relative to it.
     pub origin: DVec3,
     pub tissue_gravity: DVec3,
     /// Factor on the tissue's stiffness.
     pub stiffness: f64,
-    /// β/h.
+    /// β/h̃.
     pub damping_rate: f64,
     pub colliders: Vec<Collider>,
     /// How each collider whose motion is given moves in this step.
@@ -54,6 +54,8 @@ pub(super) struct Step {
     pub prescribed: Vec<bool>,
     /// qⁿ.
     pub current: State,
+    /// φ̃ − φⁿ, m; empty where it is zero.
+    pub handle_drift: Vec<DVec3>,
     pub starts: PointStarts,
     /// x̄ of the skin, m.
     pub skin_rest: Vec<DVec3>,
@@ -65,7 +67,7 @@ impl Step {
     /// Memory for steps of `asset`.
     pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
         Self {
-            time_step: 0.0,
+            inertial_step: 0.0,
             origin: DVec3::ZERO,
             tissue_gravity: DVec3::ZERO,
             stiffness: 1.0,
@@ -77,13 +79,14 @@ impl Step {
             geometric: false,
             prescribed: vec![false; asset.space.frames],
             current: asset.avatar.rest_state(),
+            handle_drift: Vec::with_capacity(asset.space.handles),
             starts: PointStarts::new(asset),
             skin_rest: vec![DVec3::ZERO; asset.skin.len()],
             contact_energy: 0.0,
         }
     }
 
-    /// x̄ from θⁿ, ŷ from qⁿ⁻¹ → qⁿ, the lagged tangent, and the contact energy at qⁿ. The rest are
+    /// x̄ from θⁿ, ŷ from the states before, the lagged tangent, and the contact energy at qⁿ. The rest are
     /// buffers of the evaluation.
     pub fn begin<B: Basis>(
         &mut self,
@@ -95,12 +98,12 @@ impl Step {
         posed_skin: &PosedSkin,
     ) {
         let avatar = &*asset.avatar;
-        self.time_step = start.time_step;
+        self.inertial_step = start.inertia.step;
         self.origin = start.current.frames[0].position;
         let factors = start.factors;
         self.tissue_gravity = factors.gravity * start.tissue_gravity;
         self.stiffness = factors.stiffness;
-        self.damping_rate = factors.damping * avatar.damping_time / start.time_step;
+        self.damping_rate = factors.damping * avatar.damping_time / start.inertia.step;
         self.colliders.clear();
         let relative = start.colliders.iter().map(|c| c.relative_to(self.origin));
         self.colliders.extend(relative);
@@ -117,15 +120,21 @@ impl Step {
             *prescribed = start.is_prescribed(frame);
         }
         self.current.clone_from(start.current);
+        self.handle_drift.clear();
+        if start.inertia.drift != 0.0 && self.damping_rate > 0.0 {
+            let handles = start.current.handles.iter().enumerate();
+            let drift = handles.map(|(h, phi)| start.inertia.handle_drift(h, *phi));
+            self.handle_drift.extend(drift);
+        }
 
         pose_feature_into(&avatar.skeleton.parents, &start.current.frames, feature);
-        motion.set(start.previous, start.current, self.origin);
+        motion.set(start.current, start.current, self.origin);
         let (feature, motion) = (&*feature, &*motion);
         let pose = (&feature[..], start.pose_offsets);
         let mut starts = std::mem::take(&mut self.starts);
         let tissue = |i: usize| asset.tissue_at(i, factors.stiffness);
         par_join(
-            || starts.begin(asset, pose, &start.previous.handles, motion, tissue),
+            || starts.begin(asset, pose, start, motion, tissue),
             || self.begin_skin(asset, pose, motion, touching, posed_skin),
         );
         self.starts = starts;
@@ -207,12 +216,16 @@ impl Step {
     }
 
     /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
-    pub fn damping(&self, i: usize, change: DMat3) -> Option<Damping<'_>> {
+    pub fn damping<B: Basis>(&self, basis: &[B], i: usize, change: DMat3) -> Option<Damping<'_>> {
         let tangent = self.starts.damping_tangents.get(i)?;
+        let drift = match &self.handle_drift[..] {
+            [] => DMat3::ZERO,
+            drift => displacement_gradient(basis, drift),
+        };
         Some(Damping {
             rate: self.damping_rate,
             tangent,
-            change,
+            change: change - drift,
         })
     }
 

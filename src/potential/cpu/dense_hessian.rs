@@ -39,7 +39,7 @@ impl<B: Basis> CpuPotential<B> {
             let change = unposed_displacement(basis, &motion.handle_changes);
             let joints = &avatar.skeleton.joints;
             let d = displacement(skinning, joints, &motion.motions, start.unposed, change);
-            let (mass, h) = (avatar.density * weight, step.time_step);
+            let (mass, h) = (avatar.density * weight, step.inertial_step);
             let body = Body {
                 blocks: asset.cubature_incidence.blocks(i),
                 skinning,
@@ -62,7 +62,7 @@ impl<B: Basis> CpuPotential<B> {
                 HessianForm::Exact => step.tissue_at(asset, i).tangent(f),
                 HessianForm::Solver => step.tissue_at(asset, i).projected_tangent(f),
             };
-            if let Some(damping) = step.damping(i, f_change) {
+            if let Some(damping) = step.damping(basis, i, f_change) {
                 for (row, lagged) in tangent.iter_mut().zip(damping.tangent) {
                     for (entry, lagged) in row.iter_mut().zip(lagged) {
                         *entry += damping.rate * lagged;

@@ -1,10 +1,10 @@
 //! Elasticity and lagged damping at a cubature point:
 //!
 //! ```text
-//! F = I + Σ_h φ_h ∇U_hᵀ    P = P(F) + (β/h) Cⁿ : (F − Fⁿ)    C = C⁺(F) + (β/h) Cⁿ
+//! F = I + Σ_h φ_h ∇U_hᵀ    P = P(F) + (β/h̃) Cⁿ : (F − F̃)    C = C⁺(F) + (β/h̃) Cⁿ
 //! ```
 //!
-//! with C⁺ the tangent projected to positive semi-definite and Cⁿ = C⁺(Fⁿ).
+//! with C⁺ the tangent projected to positive semi-definite, Cⁿ = C⁺(Fⁿ), and F̃ = a₀ Fⁿ − a₁ Fⁿ⁻¹.
 
 use super::Basis;
 use crate::material::MaterialPoint;
@@ -22,11 +22,11 @@ pub fn displacement_gradient<B: Basis>(basis: &[B], handles: &[DVec3]) -> DMat3 
 /// Stiffness-proportional damping, lagged: its coefficients do not change within a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Damping<'a> {
-    /// β/h.
+    /// β/h̃.
     pub rate: f64,
     /// Cⁿ, Pa.
     pub tangent: &'a Mat9,
-    /// F − Fⁿ.
+    /// F − F̃.
     pub change: DMat3,
 }
 

@@ -1,10 +1,10 @@
 //! Energy differences of one point, from base to state, each summed from increments:
 //!
 //! ```text
-//! inertia  m/(2h²) (|d + Δ − ŷ|² − |d − ŷ|²) = m/(2h²) Δ · (Δ + 2 (d − ŷ))
+//! inertia  m/(2h̃²) (|d + Δ − ŷ|² − |d − ŷ|²) = m/(2h̃²) Δ · (Δ + 2 (d − ŷ))
 //! gravity  −m g · Δ
 //! elastic  w (Ψ(F + ΔF) − Ψ(F))
-//! damping  w β/(2h) ΔF : Cⁿ : (ΔF + 2 (F − Fⁿ))
+//! damping  w β/(2h̃) ΔF : Cⁿ : (ΔF + 2 (F − F̃))
 //! contact  ½ k a (δ + δ_base)(δ − δ_base)
 //! friction μ λ (f₀(|u_T|) − f₀(|u_T,base|))
 //! ```
@@ -16,8 +16,8 @@ use crate::potential::Energies;
 use glam::{DMat3, DVec3};
 
 /// J; Δ = `change`, d − ŷ = `residual` at the base.
-pub fn inertia(mass: f64, time_step: f64, change: DVec3, residual: DVec3) -> f64 {
-    0.5 * mass / (time_step * time_step) * change.dot(change + 2.0 * residual)
+pub fn inertia(mass: f64, inertial_step: f64, change: DVec3, residual: DVec3) -> f64 {
+    0.5 * mass / (inertial_step * inertial_step) * change.dot(change + 2.0 * residual)
 }
 
 /// J.
@@ -30,9 +30,9 @@ pub fn elastic(tissue: MaterialPoint<'_>, weight: f64, base: DMat3, change: DMat
     weight * tissue.energy_difference(base, change)
 }
 
-/// J; β/h = `rate`, F − Fⁿ = `since_start` at the base.
-pub fn damping(weight: f64, rate: f64, tangent: &Mat9, change: DMat3, since_start: DMat3) -> f64 {
-    let mean = change + since_start * 2.0;
+/// J; β/h̃ = `rate`, F − F̃ = `residual` at the base.
+pub fn damping(weight: f64, rate: f64, tangent: &Mat9, change: DMat3, residual: DMat3) -> f64 {
+    let mean = change + residual * 2.0;
     0.5 * weight * rate * double_dot(change, contract(tangent, mean))
 }
 

@@ -65,7 +65,7 @@ fn point_difference<B: Basis>(
     let joints = &avatar.skeleton.joints;
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
     let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
-    let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
+    let (mass, h, gravity) = (avatar.density * weight, step.inertial_step, step.tissue_gravity);
 
     let t_base = unposed_displacement(basis, &to_base.handle_changes);
     let d_base = displacement(skinning, joints, &to_base.motions, start.unposed, t_base);
@@ -80,8 +80,8 @@ fn point_difference<B: Basis>(
         inertia: energy::inertia(mass, h, d_change, d_base - start.predicted),
         gravity: energy::gravity(mass, gravity, d_change),
         elastic: energy::elastic(step.tissue_at(asset, i), weight, f_base, change),
-        damping: step.damping(i, since_start).map_or(0.0, |d| {
-            energy::damping(weight, d.rate, d.tangent, change, since_start)
+        damping: step.damping(basis, i, since_start).map_or(0.0, |d| {
+            energy::damping(weight, d.rate, d.tangent, change, d.change)
         }),
         ..Energies::default()
     }

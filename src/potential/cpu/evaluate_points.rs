@@ -55,7 +55,7 @@ fn evaluate_point<B: Basis>(
     let (tissue, joints) = (step.tissue_at(asset, i), &avatar.skeleton.joints);
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
     let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
-    let (mass, h, gravity) = (avatar.density * weight, step.time_step, step.tissue_gravity);
+    let (mass, h, gravity) = (avatar.density * weight, step.inertial_step, step.tissue_gravity);
     let changes = &motion.handle_changes;
 
     let change = unposed_displacement(basis, changes);
@@ -72,7 +72,7 @@ fn evaluate_point<B: Basis>(
 
     let f_start = start.deformation_gradient;
     let f_change = elasticity::displacement_gradient(basis, changes);
-    let damping = step.damping(i, f_change);
+    let damping = step.damping(basis, i, f_change);
     let mut stress = DMat3::ZERO;
     if let Some(tangent) = tangent {
         stress = elasticity::stress(tissue, f_start + f_change, damping);
@@ -93,7 +93,7 @@ fn evaluate_point<B: Basis>(
         gravity: energy::gravity(mass, gravity, d),
         elastic: energy::elastic(tissue, weight, f_start, f_change),
         damping: damping.map_or(0.0, |d| {
-            energy::damping(weight, d.rate, d.tangent, f_change, DMat3::ZERO)
+            energy::damping(weight, d.rate, d.tangent, f_change, d.change - f_change)
         }),
         ..Energies::default()
     };

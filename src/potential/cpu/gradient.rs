@@ -4,7 +4,7 @@
 //! c_j: w_j f      ω_j: a_j × f      φ_h: N_hᵀ Bᵀ f + w P ∇U_h
 //! ```
 //!
-//! f = m (d − ŷ)/h² − m g is the energy's gradient by the point's position, a_j its arms.
+//! f = m (d − ŷ)/h̃² − m g is the energy's gradient by the point's position, a_j its arms.
 
 use super::Basis;
 use super::point_hessian::PointView;
@@ -13,12 +13,12 @@ use glam::DVec3;
 /// f, N.
 pub fn point_force(
     mass: f64,
-    time_step: f64,
+    inertial_step: f64,
     displacement: DVec3,
     predicted: DVec3,
     tissue_gravity: DVec3,
 ) -> DVec3 {
-    mass * ((displacement - predicted) / (time_step * time_step) - tissue_gravity)
+    mass * ((displacement - predicted) / (inertial_step * inertial_step) - tissue_gravity)
 }
 
 /// The point's part of the gradient by its local block `local`.

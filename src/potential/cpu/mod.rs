@@ -23,6 +23,7 @@ pub mod geometric;
 pub mod gradient;
 pub mod hessian;
 mod incidence;
+pub mod inertial_target;
 mod mechanics;
 mod min_det_f;
 mod motion;
@@ -130,7 +131,7 @@ impl<B: Basis> CpuPotential<B> {
     }
 
     fn has_begun(&self, instance: usize) -> bool {
-        self.instances[instance].step.time_step > 0.0
+        self.instances[instance].step.inertial_step > 0.0
     }
 }
 

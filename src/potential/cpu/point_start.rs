@@ -1,12 +1,14 @@
 //! What stays constant at a cubature point through a step: T and F at qⁿ, ŷ, and the lagged tangent.
 
 use super::asset::Asset;
-use super::displacement::{displacement, unposed_displacement};
+use super::displacement::unposed_displacement;
 use super::elasticity::displacement_gradient;
+use super::inertial_target::{PastMotion, inertial_target};
 use super::pose_blend::pose_offset;
 use super::{Basis, Motion};
 use crate::material::MaterialPoint;
 use crate::math::{Mat9, Strided, par_split};
+use crate::potential::StepStart;
 use crate::potential::cpu::begin_step::POINT_GRAIN;
 use glam::{DMat3, DVec3};
 
@@ -15,7 +17,7 @@ use glam::{DMat3, DVec3};
 pub(super) struct PointStart {
     /// T at qⁿ, m.
     pub unposed: DVec3,
-    /// ŷ = h vⁿ, m: the displacement over the previous step, with this step's x̄.
+    /// ŷ = Σ_{k≥1} c_k (x(qⁿ⁻ᵏ) − x(qⁿ)), m: where inertia would move it, with this step's x̄ in all of them.
     pub predicted: DVec3,
     /// Fⁿ.
     pub deformation_gradient: DMat3,
@@ -29,6 +31,7 @@ pub(super) struct PointStarts {
     pub damping_tangents: Vec<Mat9>,
     /// x̄ of each point, m.
     pub rest: Vec<DVec3>,
+    past: PastMotion,
 }
 
 impl PointStarts {
@@ -40,19 +43,22 @@ impl PointStarts {
             points: vec![PointStart::default(); points],
             damping_tangents: vec![[[0.0; 9]; 9]; if damped { points } else { 0 }],
             rest: vec![DVec3::ZERO; points],
+            past: PastMotion::default(),
         }
     }
 
-    /// The starts of a step with the pose `feature` of qⁿ, the `offsets` of the skin, the displacements `previous` of
-    /// qⁿ⁻¹, and `motion` from qⁿ⁻¹ to qⁿ, each point being of its `tissue`.
+    /// The starts of a step from `start` with the pose `feature` of qⁿ, the `offsets` of the skin, and `motion`, which stands
+    /// at qⁿ, each point being of its `tissue`.
     pub fn begin<'t, B: Basis>(
         &mut self,
         asset: &Asset<B>,
         (feature, offsets): (&[f64], &[[f32; 3]]),
-        previous: &[DVec3],
+        start: &StepStart<'_>,
         motion: &Motion,
         tissue: impl Fn(usize) -> MaterialPoint<'t> + Sync,
     ) {
+        self.past.set(&start.inertia, start.current);
+        let past = &self.past;
         let (columns, position) = (&asset.cubature_columns, &asset.avatar.cubature.position);
         let extension = &asset.avatar.pose_extension;
         let parts = (
@@ -70,7 +76,7 @@ impl PointStarts {
                 }
             }
             for ((i, point), rest) in (first..).zip(&mut *points).zip(&*rest) {
-                *point = point_start(asset, previous, motion, i, *rest);
+                *point = point_start(asset, past, motion, i, *rest);
             }
             for ((i, tangent), point) in (first..).zip(tangents).zip(&*points) {
                 *tangent = tissue(i).projected_tangent(point.deformation_gradient);
@@ -82,18 +88,17 @@ impl PointStarts {
 /// The start of point `i`, whose x̄ is `rest`.
 fn point_start<B: Basis>(
     asset: &Asset<B>,
-    previous: &[DVec3],
+    past: &PastMotion,
     motion: &Motion,
     i: usize,
     rest: DVec3,
 ) -> PointStart {
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
     let joints = &asset.avatar.skeleton.joints;
-    let base = rest + unposed_displacement(basis, previous);
-    let change = unposed_displacement(basis, &motion.handle_changes);
+    let unposed = rest + unposed_displacement(basis, &motion.handles);
     PointStart {
-        unposed: base + change,
-        predicted: displacement(skinning, joints, &motion.motions, base, change),
+        unposed,
+        predicted: inertial_target(skinning, basis, joints, past, unposed),
         deformation_gradient: DMat3::IDENTITY + displacement_gradient(basis, &motion.handles),
     }
 }

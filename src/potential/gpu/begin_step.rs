@@ -28,14 +28,14 @@ impl Recorder {
         self.clear_uploads();
         for (i, start) in started() {
             let origin = start.current.frames[0].position;
-            // The start's own slot: from qⁿ⁻¹ to qⁿ, undamped.
+            // The start's own slot, undamped.
             let slot = BatchState {
                 damping_rate: 0.0,
                 slot: i as u32,
                 base: i as u32,
                 ..self.batch_state(i, start)
             };
-            if !self.push_state(slot, start.previous, start.current, origin) {
+            if !self.push_start(slot, start, origin) {
                 return Err(Error::NotFinite {
                     quantity: "state at the step's start in f32",
                 });
@@ -87,6 +87,7 @@ impl Recorder {
                 stages.pose_blend.dispatch_skin(pass, batch);
             }
             stages.displacement.dispatch(pass, batch);
+            stages.inertial_target.dispatch(pass, batch);
             if damped {
                 stages.elasticity.dispatch(pass, batch);
             }
@@ -106,14 +107,14 @@ impl Recorder {
 
     /// A state of instance `i`, without its slots.
     fn batch_state(&self, i: usize, start: &StepStart<'_>) -> BatchState {
-        let (h, factors) = (start.time_step, start.factors);
+        let (step, factors) = (start.inertia.step, start.factors);
         BatchState {
             gravity: pack::round(factors.gravity * start.tissue_gravity),
-            mass_rate: (1.0 / (h * h)) as f32,
-            damping_rate: (factors.damping * self.avatar.damping_time / h) as f32,
+            mass_rate: (1.0 / (step * step)) as f32,
+            damping_rate: (factors.damping * self.avatar.damping_time / step) as f32,
             instance: i as u32,
             colliders: start.colliders.len() as u32,
-            smoothing: (start.slip_speed * h) as f32,
+            smoothing: (start.slip_speed * start.time_step) as f32,
             stiffness: factors.stiffness as f32,
             has_offsets: u32::from(!start.pose_offsets.is_empty()),
             ..BatchState::default()
@@ -156,13 +157,23 @@ impl Recorder {
         Ok(())
     }
 
-    /// Sends the starts' frames and handles, each to its instance's slot.
+    /// Sends the starts' frames and handles, each to its instance's slot, and their pasts.
     fn upload_starts(&self) {
         let (space, buffers) = (self.avatar.space(), &self.buffers.common);
         let frames = self.frames.chunks(space.frames.max(1));
         for (state, frames) in self.batch.iter().zip(frames) {
             let first = state.slot as usize * space.frames;
             buffers.frames.write(&self.queue, first, frames);
+        }
+        let past = self.past_frames.chunks(space.frames.max(1));
+        for (state, past) in self.batch.iter().zip(past) {
+            let first = state.instance as usize * space.frames;
+            buffers.past_frames.write(&self.queue, first, past);
+        }
+        let past = self.past_handles.chunks(space.handles.max(1));
+        for (state, past) in self.batch.iter().zip(past) {
+            let first = state.instance as usize * space.handles;
+            buffers.past_handles.write(&self.queue, first, past);
         }
         let handles = self.handles.chunks(space.handles.max(1));
         for (state, handles) in self.batch.iter().zip(handles) {

@@ -5,7 +5,8 @@ use super::grids::Grids;
 use super::options::GpuOptions;
 use super::shared::{
     BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, HessianSegment,
-    Influence, Lagged, LocalTissue, Mat3, Motion, PartialEnergy, Point, SkinVertex, Summary,
+    Influence, Lagged, LocalTissue, Mat3, Motion, PartialEnergy, PastFrame,
+    PastHandle, Point, SkinVertex, Summary,
     Tangent,
 };
 use super::sizes::{Sizes, buffer_limit};
@@ -51,6 +52,8 @@ buffers! {
         prescribed: u32 = zeroed(n.states * n.frame_words),
         frames: Frame = zeroed(n.uploads * n.bones),
         handles: Handle = zeroed(n.uploads * n.handles),
+        past_frames: PastFrame = zeroed(n.instances * n.bones),
+        past_handles: PastHandle = zeroed(n.instances * n.handles),
         colliders: Collider = zeroed(n.instances * n.colliders),
         previous_colliders: Collider = zeroed(n.instances * n.colliders),
         // By slot.

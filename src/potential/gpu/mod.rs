@@ -34,6 +34,7 @@ mod energy;
 mod friction;
 mod gradient;
 mod hessian;
+mod inertial_target;
 mod normals;
 mod point_hessian;
 mod pose_blend;

@@ -1,8 +1,8 @@
 //! Numbers into the form that kernels read: differences are taken in f64, then rounded.
 
-use super::shared::{Collider, Frame, Handle, Mat3};
+use super::shared::{Collider, Frame, Handle, Mat3, PastFrame, PastHandle};
 use crate::collider::{self, Shape};
-use crate::model::{self, Skeleton, State};
+use crate::model::{self, InertialTarget, Skeleton, State};
 use glam::{DMat3, DVec3};
 
 pub(super) fn round(v: DVec3) -> [f32; 3] {
@@ -33,6 +33,58 @@ pub(super) fn frames<'a>(
         .zip(&state.frames)
         .zip(&skeleton.joints)
         .map(frame)
+}
+
+/// What inertia takes from the past of frames that stand at `current`.
+pub(super) fn past_frames<'a>(
+    target: &'a InertialTarget<'a>,
+    current: &'a State,
+) -> impl Iterator<Item = PastFrame> + 'a {
+    current.frames.iter().enumerate().map(|(j, frame)| {
+        let (turn, shift) = target.frame(j, frame);
+        let mut past = target.terms().map(|(_, past)| past.frames[j].rotation);
+        let mut next = || past.next().map_or(Mat3::default(), columns);
+        PastFrame {
+            turn: columns(turn),
+            first: next(),
+            second: next(),
+            third: next(),
+            shift: round(shift),
+            ..PastFrame::default()
+        }
+    })
+}
+
+/// What inertia takes from the past of handles that stand at `current`.
+pub(super) fn past_handles<'a>(
+    target: &'a InertialTarget<'a>,
+    current: &'a State,
+) -> impl Iterator<Item = PastHandle> + 'a {
+    current.handles.iter().enumerate().map(|(h, phi)| {
+        let mut past = target.terms().map(|(c, past)| (past.handles[h] - *phi) * c);
+        let mut next = || past.next().map_or([0.0; 3], round);
+        PastHandle {
+            first: next(),
+            second: next(),
+            third: next(),
+            ..PastHandle::default()
+        }
+    })
+}
+
+/// Handles of a start, whose increment is the drift of damping.
+pub(super) fn start_handles<'a>(
+    target: &'a InertialTarget<'a>,
+    current: &'a State,
+) -> impl Iterator<Item = Handle> + 'a {
+    current.handles.iter().enumerate().map(|(h, phi)| {
+        let drift = target.handle_drift(h, *phi);
+        Handle {
+            displacement: round(*phi - drift),
+            increment: round(drift),
+            ..Handle::default()
+        }
+    })
 }
 
 /// Handles of `base` with their increments to `state`.

@@ -4,7 +4,9 @@ use super::buffers::Buffers;
 use super::dispatch::Batch;
 use super::kernels::GpuKernels;
 use super::options::GpuOptions;
-use super::shared::{BatchState, Collider, Frame, Handle, SkinVertex};
+use super::shared::{
+    BatchState, Collider, Frame, Handle, PastFrame, PastHandle, SkinVertex,
+};
 use super::sizes::Sizes;
 use super::stages::Stages;
 use super::tables::Tables;
@@ -83,6 +85,8 @@ pub struct Recorder {
     pub(super) batch: Vec<BatchState>,
     pub(super) frames: Vec<Frame>,
     pub(super) handles: Vec<Handle>,
+    pub(super) past_frames: Vec<PastFrame>,
+    pub(super) past_handles: Vec<PastHandle>,
     pub(super) colliders: Vec<Collider>,
     pub(super) features: Vec<f32>,
     pub(super) prescribed: Vec<u32>,
@@ -127,6 +131,8 @@ impl Recorder {
             batch: Vec::with_capacity(sizes.states),
             frames: Vec::with_capacity(buffers.common.frames.len()),
             handles: Vec::with_capacity(buffers.common.handles.len()),
+            past_frames: Vec::with_capacity(buffers.common.past_frames.len()),
+            past_handles: Vec::with_capacity(buffers.common.past_handles.len()),
             colliders: Vec::with_capacity(options.colliders),
             features: Vec::with_capacity(buffers.common.pose_features.len()),
             prescribed: Vec::with_capacity(buffers.common.prescribed.len()),

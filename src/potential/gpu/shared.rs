@@ -47,9 +47,9 @@ host_shareable! {
     pub struct BatchState {
         /// On the tissue's displacement, m/s².
         pub gravity: [f32; 3],
-        /// 1/h², 1/s².
+        /// 1/h̃², 1/s².
         pub mass_rate: f32,
-        /// β/h.
+        /// β/h̃.
         pub damping_rate: f32,
         /// Whose state it is.
         pub instance: u32,
@@ -153,6 +153,38 @@ host_shareable! {
         pub increment: [f32; 3],
         /// Padding.
         pub _pad1: u32,
+    }
+
+    /// What inertia takes from the past of a bone (kernels/shared/kinematics.wgsl).
+    pub struct PastFrame {
+        /// Σ_k c_k (R(qⁿ⁻ᵏ) − R(qⁿ)).
+        pub turn: Mat3,
+        /// R(qⁿ⁻¹).
+        pub first: Mat3,
+        /// R(qⁿ⁻²).
+        pub second: Mat3,
+        /// R(qⁿ⁻³).
+        pub third: Mat3,
+        /// Σ_k c_k (c(qⁿ⁻ᵏ) − c(qⁿ)), m.
+        pub shift: [f32; 3],
+        /// Padding.
+        pub _pad: u32,
+    }
+
+    /// What inertia takes from the past of a handle (kernels/shared/kinematics.wgsl).
+    pub struct PastHandle {
+        /// c₁ (φⁿ⁻¹ − φⁿ), m.
+        pub first: [f32; 3],
+        /// Padding.
+        pub _pad0: u32,
+        /// c₂ (φⁿ⁻² − φⁿ), m.
+        pub second: [f32; 3],
+        /// Padding.
+        pub _pad1: u32,
+        /// c₃ (φⁿ⁻³ − φⁿ), m.
+        pub third: [f32; 3],
+        /// Padding.
+        pub _pad2: u32,
     }
 
     /// What a cubature point did (kernels/shared/kinematics.wgsl).
@@ -265,13 +297,13 @@ host_shareable! {
 
     /// Energies, J, and the contact force, N (kernels/energy.wgsl).
     pub struct PartialEnergy {
-        /// Σ m/(2h²) |x − x̂|².
+        /// Σ m/(2h̃²) |x − x̂|².
         pub inertia: f32,
         /// −Σ m g · x.
         pub gravity: f32,
         /// Σ w Ψ(F).
         pub elastic: f32,
-        /// Σ w β/(2h) ΔF : Cⁿ : ΔF.
+        /// Σ w β/(2h̃) (F − F̃) : Cⁿ : (F − F̃).
         pub damping: f32,
         /// Of the contacts on the skin.
         pub force: [f32; 3],
@@ -321,6 +353,8 @@ pub const SHARED_STRUCTS: &[StructLayout<'static>] = &[
     HandleGradient::LAYOUT,
     Frame::LAYOUT,
     Handle::LAYOUT,
+    PastFrame::LAYOUT,
+    PastHandle::LAYOUT,
     Motion::LAYOUT,
     Tangent::LAYOUT,
     Collider::LAYOUT,

@@ -9,6 +9,7 @@ macro_rules! with_stages {
         $then! {
             pose_blend: PoseBlend,
             displacement: Displacement,
+            inertial_target: InertialTarget,
             elasticity: Elasticity,
             contact: Contact,
             select: Select,

@@ -4,6 +4,7 @@ use super::pack;
 use super::recorder::{Recorder, Start};
 use super::shared::BatchState;
 use crate::model::{State, pose_feature};
+use crate::potential::StepStart;
 use crate::{Error, Result};
 use bytemuck::Pod;
 use glam::DVec3;
@@ -16,6 +17,8 @@ impl Recorder {
         self.batch.clear();
         self.frames.clear();
         self.handles.clear();
+        self.past_frames.clear();
+        self.past_handles.clear();
         self.features.clear();
     }
 
@@ -35,6 +38,29 @@ impl Recorder {
         self.handles.extend(pack::handles(base, state));
         let frames = cut(&mut self.frames[first_frame..], LONGEST_FRAME);
         frames & cut(&mut self.handles[first_handle..], self.longest_handle)
+    }
+
+    /// Appends the start of a step, likewise.
+    pub(super) fn push_start(
+        &mut self,
+        batch_state: BatchState,
+        start: &StepStart<'_>,
+        origin: DVec3,
+    ) -> bool {
+        let (current, target) = (start.current, &start.inertia);
+        let (first_frame, first_handle) = (self.frames.len(), self.handles.len());
+        let (past_frame, past_handle) = (self.past_frames.len(), self.past_handles.len());
+        let skeleton = &self.avatar.skeleton;
+        self.batch.push(batch_state);
+        (self.frames).extend(pack::frames(skeleton, current, current, origin));
+        (self.handles).extend(pack::start_handles(target, current));
+        (self.past_frames).extend(pack::past_frames(target, current));
+        (self.past_handles).extend(pack::past_handles(target, current));
+        let frames = cut(&mut self.frames[first_frame..], LONGEST_FRAME)
+            & cut(&mut self.past_frames[past_frame..], LONGEST_FRAME);
+        let handles = cut(&mut self.handles[first_handle..], self.longest_handle)
+            & cut(&mut self.past_handles[past_handle..], LONGEST_FRAME);
+        frames & handles
     }
 
     /// Fills the uploads with every wanted state, each measured from its instance's start and in a slot behind the starts'.

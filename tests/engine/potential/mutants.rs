@@ -35,7 +35,19 @@ const MUTANTS: &[Mutant] = &[
     ("displacement", "shared/point_motion.wgsl", "Motion(d, t_base + t_increment, blended)", "Motion(d, t_base, blended)"),
     ("displacement", "displacement.wgsl", "unposed[state.instance * constants.points + i]", "unposed[i]"),
     ("displacement", "shared/point_motion.wgsl", "blended += w.weight * rotation", "blended += rotation"),
+    // inertial_target
+    ("inertial_target", "inertial_target.wgsl", "past.turn * (unposed - joint)", "past.turn * unposed"),
+    ("inertial_target", "inertial_target.wgsl", "+ past.shift", ""),
+    ("inertial_target", "inertial_target.wgsl", "past.first * first", "first * past.first"),
+    ("inertial_target", "inertial_target.wgsl", "past.second * second", "past.first * second"),
+    ("inertial_target", "inertial_target.wgsl", "+ past.third * third", ""),
+    ("inertial_target", "inertial_target.wgsl", "second += u.weight * phi.second", "second += phi.second"),
+    ("inertial_target", "inertial_target.wgsl", "third += u.weight * phi.third", "third += u.weight * phi.first"),
+    ("inertial_target", "inertial_target.wgsl", "past_frames[state.instance * constants.bones + w.index]", "past_frames[w.index]"),
+    ("inertial_target", "inertial_target.wgsl", "past_handles[state.instance * constants.handles + u.index]", "past_handles[u.index]"),
     // elasticity
+    ("elasticity", "elasticity.wgsl", "phi.increment - drift(state, u.handle)", "phi.increment"),
+    ("elasticity", "elasticity.wgsl", "handles[state.instance * constants.handles + handle].increment", "handles[handle].increment"),
     ("elasticity", "elasticity.wgsl", "outer(phi.displacement + phi.increment, u.gradient)", "outer(u.gradient, phi.displacement + phi.increment)"),
     ("elasticity", "elasticity.wgsl", "outer(phi.displacement + phi.increment, u.gradient)", "outer(phi.displacement, u.gradient)"),
     ("elasticity", "elasticity.wgsl", "p += state.damping_rate", "p -= state.damping_rate"),
@@ -198,6 +210,8 @@ const MUTANTS: &[Mutant] = &[
     ("hessian", "hessian.wgsl", "prescribed[state * words", "prescribed[0u * words"),
     ("hessian", "hessian.wgsl", "let bone = block / 2u", "let bone = block"),
     // energy
+    ("energy", "energy.wgsl", "base_increment -= outer(drift, u.gradient)", "base_increment += outer(drift, u.gradient)"),
+    ("energy", "energy.wgsl", "handles[state.instance * constants.handles + u.handle].increment", "handles[u.handle].increment"),
     ("energy", "energy.wgsl", "dot(delta, delta + 2.0 * e)", "dot(delta, delta + e)"),
     ("energy", "energy.wgsl", "var e = -motion", "var e = motion"),
     ("energy", "energy.wgsl", "out.gravity = -mass", "out.gravity = mass"),

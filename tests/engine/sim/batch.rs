@@ -13,10 +13,11 @@ use supple::skeleton::Tracking;
 /// Three states of one asset with everything different: pose, velocity, targets, colliders.
 fn drive(instance: &mut Instance, k: usize, avatar: &supple::model::Avatar) {
     instance.state = random_state(10 + k as u64, avatar, 0.2, 0.004);
-    instance.previous = instance.state.clone();
-    for handle in &mut instance.previous.handles {
+    let mut previous = instance.state.clone();
+    for handle in &mut previous.handles {
         *handle *= 0.99;
     }
+    (instance.history).set_previous(&previous, &instance.state, 0.01);
     instance.targets = vec![Tracking::new(k, avatar.skeleton.bind_pose()[k])];
     instance.gravity = DVec3::new(k as f64, 0.0, -9.0);
     let frame = Frame {

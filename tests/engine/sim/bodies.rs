@@ -10,7 +10,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::features::pose_feature;
 use supple::internal::math::{Random, rotation_exp};
 use supple::internal::{random_avatar, random_state};
-use supple::model::{Avatar, BoneMass, Frame, RigidBody};
+use supple::model::{Avatar, BoneMass, Frame, Integrator, RigidBody};
 use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
 use supple_files::write_glb;
@@ -43,6 +43,7 @@ fn beside_a_limb(body: RigidBody, settings: Settings) -> Simulation<CpuPotential
 fn converged(time_step: f64) -> Settings {
     Settings {
         time_step,
+        integrator: Integrator::BackwardEuler,
         solver: SolverMode::Converged {
             tolerance: 1e-11,
             max_iterations: 100,
@@ -64,6 +65,7 @@ fn a_body_falls_freely() -> Result<()> {
     for solver in [SolverMode::OneIteration, SolverMode::CONVERGED] {
         let settings = Settings {
             solver,
+            integrator: Integrator::BackwardEuler,
             ..Settings::default()
         };
         let body = RigidBody::new("box", BOX, 800.0)?.at(away());
@@ -104,11 +106,16 @@ fn a_thrown_box_keeps_its_momenta() -> Result<()> {
         let instance = &mut simulation.instances_mut()[0];
         instance.gravity = DVec3::ZERO;
         let (velocity, spin) = (DVec3::new(0.4, 1.0, 2.0), DVec3::new(6.0, -3.0, 5.0));
-        instance.set_motion(1, away(), velocity, spin, h);
+        instance.set_motion(1, away(), velocity, spin);
         let now = |simulation: &Simulation<CpuPotential>| {
             let instance = &simulation.instances()[0];
-            let (before, after) = (&instance.previous, &instance.state);
-            momenta(&mass, &before.frames[1], &after.frames[1], h)
+            let (before, after) = (instance.history.previous(), &instance.state);
+            momenta(
+                &mass,
+                &before.frames[1],
+                &after.frames[1],
+                instance.history.last_step(),
+            )
         };
         let start = now(&simulation);
         for _ in 0..(0.1 / h).round() as usize {
@@ -167,7 +174,7 @@ fn bodies_rest_on_the_floor_with_their_weight() -> Result<()> {
             impulse += (force - weight) * settings.time_step;
         }
         let instance = &simulation.instances()[0];
-        let (before, after) = (instance.previous.frames[1], instance.state.frames[1]);
+        let (before, after) = (instance.history.previous().frames[1], instance.state.frames[1]);
         let velocity = (after.position - before.position) / settings.time_step;
         let sunk = place.position.z - 1e-4 - after.position.z;
         let all = weight.length() * settings.time_step * f64::from(steps);
@@ -276,6 +283,8 @@ name = "thrown"
 steps = 30
 [avatar]
 sample = "limb_s"
+[settings]
+integrator = "backward_euler"
 [[pins]]
 bone = "bone"
 [[bodies]]

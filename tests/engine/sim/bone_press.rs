@@ -4,7 +4,7 @@ use crate::support;
 
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
-use supple::model::Frame;
+use supple::model::{Frame, Integrator};
 use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
 use supple_bake::full_space_simulation;
@@ -22,6 +22,7 @@ fn sphere(z: f64) -> Frame {
 fn press(time_step: f64, solver: SolverMode) -> Simulation<CpuPotential> {
     let settings = Settings {
         time_step,
+        integrator: Integrator::BackwardEuler,
         solver,
         ..Settings::default()
     };
@@ -48,7 +49,7 @@ fn press_forces_on_mesh_s() {
     for (depth, expected) in [(-0.002, 0.0), (0.006, 4.3), (0.009, 9.1), (0.012, 15.9)] {
         let instance = &mut simulation.instances_mut()[0];
         instance.colliders[0].frame = sphere(0.07 - depth);
-        instance.previous = instance.state.clone();
+        instance.history.rest(&instance.state);
         let report = simulation.step_blocking().unwrap().instances.remove(0);
         assert_eq!(report.stop, Stop::Converged);
         let force = -report.contact_force.z;

@@ -2,7 +2,7 @@
 
 use supple::glam::{DMat3, DVec3};
 use supple::internal::random_avatar;
-use supple::model::{Avatar, Space, State};
+use supple::model::{Integrator, Avatar, Space, State};
 use supple::potential::{
     BlockPattern, Evaluation, Potential, PreviousSkin, StepEnd, StepStart, Trial,
 };
@@ -161,14 +161,17 @@ fn simulation(law: Law, solver: SolverMode, previous: DVec3, start: DVec3) -> Si
     let avatar = random_avatar(1, 1, 3, 5, 12);
     let settings = Settings {
         solver,
+        integrator: Integrator::BackwardEuler,
         ..Settings::default()
     };
     let mut simulation = Simulation::new(&avatar, Toy::new(&avatar, law, 1), settings).unwrap();
     let instance = &mut simulation.instances_mut()[0];
     let frame = instance.state.frames[0];
     instance.pins.push(Pin { bone: 0, frame });
-    instance.previous.handles.fill(previous);
     instance.state.handles.fill(start);
+    let mut before = instance.state.clone();
+    before.handles.fill(previous);
+    (instance.history).set_previous(&before, &instance.state, settings.time_step);
     simulation
 }
 
@@ -279,8 +282,8 @@ fn what_is_not_finite_or_not_solvable_is_an_error_and_the_state_is_kept() {
             );
             let after = &simulation.instances()[0];
             assert_eq!(
-                (&before.state, &before.previous),
-                (&after.state, &after.previous)
+                (&before.state, &before.history),
+                (&after.state, &after.history)
             );
         }
         let mut simulation = simulation(not_definite, mode, start, start);
@@ -331,7 +334,7 @@ fn inactive_instances_stay_and_others_move() {
     assert_eq!(report.instances[1].stop, Stop::Inactive);
     assert_eq!(simulation.instances()[1].state, before.state);
     for i in [0, 2] {
-        assert_eq!(report.instances[i].stop, Stop::OneIteration);
+        assert_eq!(report.instances[i].stop, Stop::AsModelled);
         assert!(simulation.instances()[i].state.handles[0].length() > 0.01);
     }
 }
@@ -343,8 +346,10 @@ fn unusable_input_is_refused_by_name() {
     let cases: [(&str, Spoil); 9] = [
         ("state", |i| i.state.handles[1].y = f64::NAN),
         ("state", |i| i.state.handles.truncate(2)),
-        ("previous", |i| {
-            i.previous.frames[0].position.x = f64::INFINITY
+        ("history", |i| {
+            let at = i.state.frames[0];
+            i.history
+                .set_velocity(0, &at, DVec3::X * f64::INFINITY, DVec3::ZERO)
         }),
         ("state", |i| i.state.frames[0].rotation *= 1.1),
         ("bending", |i| i.bending.clear()),

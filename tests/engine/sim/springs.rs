@@ -384,7 +384,7 @@ fn any_time_step_and_any_motion_leave_them_whole() -> Result<()> {
         hold(&mut simulation, frame);
         simulation.step_blocking()?;
         let instance = &simulation.instances()[0];
-        assert!(instance.state.is_finite() && instance.previous.is_finite());
+        assert!(instance.state.is_finite() && instance.history.previous().is_finite());
         for joint in &avatar.springs.joints {
             let (bone, parent) = (joint.bone as usize, joint.bone as usize - 1);
             let frames = &instance.state.frames;

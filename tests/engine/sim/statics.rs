@@ -9,7 +9,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::mechanics;
 use supple::internal::math::rotation_exp;
-use supple::model::{Avatar, Frame};
+use supple::model::{Avatar, Frame, Integrator};
 use supple::potential::{CpuPotential, Evaluation, Potential};
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
 use supple::skeleton::Tracking;
@@ -199,6 +199,7 @@ fn a_pins_load_balances_contact_weight_and_momentum_in_every_step() -> Result<()
         let avatar = support::full_space_limb(&support::SMALL, 1, captured);
         let settings = Settings {
             solver,
+            integrator: Integrator::BackwardEuler,
             ..Settings::default()
         };
         let mut simulation = simulation(&avatar, settings);

@@ -31,13 +31,14 @@ fn limb(stations: usize, sectors: usize) -> Arc<Avatar> {
 }
 
 /// A world on the CPU whose steps are minimised to rounding.
+const CONVERGED: SolverMode = SolverMode::Converged {
+    tolerance: 1e-11,
+    max_iterations: 100,
+};
+
 fn converged() -> Result<World> {
-    let solver = SolverMode::Converged {
-        tolerance: 1e-11,
-        max_iterations: 100,
-    };
     World::new(Backend::Cpu)?.with_settings(Settings {
-        solver,
+        solver: CONVERGED,
         report_at_end: true,
         ..Settings::default()
     })

@@ -107,8 +107,8 @@ impl Driver {
         instance.gravity = self.gravity;
         instance.file_axes = self.file_axes;
         for (i, body) in self.bodies.iter().enumerate() {
-            let (frame, h) = (avatar.body_frame(i), self.time_step);
-            instance.set_motion(frame, self.start[frame], body.velocity, body.spin(), h);
+            let frame = avatar.body_frame(i);
+            instance.set_motion(frame, self.start[frame], body.velocity, body.spin());
         }
         let pin = |(bone, motion): &(usize, Motion)| Pin {
             bone: *bone,

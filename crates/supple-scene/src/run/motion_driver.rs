@@ -72,7 +72,7 @@ impl MotionDriver {
             let now = start[bone];
             let velocity = (next.position - now.position) / time_step;
             let turn = rotation_log(next.rotation * now.rotation.transpose());
-            instance.set_motion(bone, now, velocity, turn / time_step, time_step);
+            instance.set_motion(bone, now, velocity, turn / time_step);
         }
         for &bone in &self.bones {
             let frame = start[bone];

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::random_avatar;
-use supple::model::{Avatar, Frame, State};
+use supple::model::{Avatar, Frame, InertialTarget, State};
 use supple::potential::{StepStart, TissueFactors};
 
 fn avatar() -> Arc<Avatar> {
@@ -30,7 +30,7 @@ fn floor(height: f64) -> Collider {
 fn start<'a>(previous: &'a State, current: &'a State, colliders: &'a [Collider]) -> StepStart<'a> {
     StepStart {
         time_step: 0.01,
-        previous,
+        inertia: InertialTarget::backward_euler(previous, 0.01),
         current,
         colliders,
         tissue_gravity: DVec3::ZERO,

@@ -7,7 +7,7 @@ use supple::glam::DVec3;
 use supple::internal::math::Random;
 use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
-use supple::model::{Avatar, Frame, PoseBlend, State};
+use supple::model::{Avatar, Frame, InertialTarget, PoseBlend, State};
 use supple::potential::{CpuPotential, Potential, StepStart, TissueFactors};
 
 /// What a case is made of.
@@ -204,7 +204,7 @@ impl Case {
     pub fn start<'a>(&'a self, previous: &'a State, current: &'a State) -> StepStart<'a> {
         StepStart {
             time_step: self.time_step,
-            previous,
+            inertia: InertialTarget::backward_euler(previous, self.time_step),
             current,
             colliders: &self.colliders,
             tissue_gravity: self.tissue_gravity,

@@ -9,7 +9,7 @@ use supple::internal::skeleton::{
     BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring, LimitSpring,
     TissueMoments, TrackingSpring,
 };
-use supple::model::{Avatar, Frame, JointRange, Space};
+use supple::model::{Avatar, Frame, InertialTarget, JointRange, Space, State};
 use supple::potential::BlockPattern;
 use supple::skeleton::{Bending, JointLimit, Spring, Tracking};
 
@@ -104,6 +104,18 @@ impl Energy for Posed {
 pub fn terms() -> Vec<Term> {
     let (avatar, random) = (avatar(), &mut Random::new(3));
     let (previous, current) = (frames(random, 1.0, 0.02), frames(random, 1.2, 0.02));
+    let state = |frames: &[Frame]| State {
+        frames: frames.to_vec(),
+        handles: Vec::new(),
+    };
+    let (past, present) = ([state(&previous)], [state(&current)]);
+    // As after a step of another length, and at rest.
+    let [moving, resting] = [&past, &present].map(|past| InertialTarget {
+        past,
+        weights: [-1.4, 0.0, 0.0],
+        drift: 0.3,
+        step: TIME_STEP,
+    });
     let far = frames(random, 1.5, 0.03);
     let term = |name: &str, rest: Option<Vec<Frame>>, make: &dyn Fn() -> Box<dyn FrameTerm>| {
         let posed = |frames| -> Box<dyn Energy> {
@@ -142,16 +154,17 @@ pub fn terms() -> Vec<Term> {
     let mut unbent = frames(random, 1.0, 0.02);
     unbent[2].rotation = unbent[1].rotation * rest_rotation;
 
-    let [target, previous_target] = [0; 2].map(|_| frames(random, 1.0, 0.02)[1]);
+    let [target, previous_target, earlier] = [0; 3].map(|_| frames(random, 1.0, 0.02)[1]);
     let track = |rotation: Option<(f64, f64)>, position: Option<(f64, f64)>| {
         let spring = |(stiffness, damping)| Spring { stiffness, damping };
         let tracking = Tracking {
             previous: previous_target,
+            earlier,
             rotation: rotation.map(spring),
             position: position.map(spring),
             ..Tracking::new(1, target)
         };
-        TrackingSpring::new(tracking, &current, TIME_STEP)
+        TrackingSpring::new(tracking, &current, &moving)
     };
     let rotation = track(Some((30.0, 0.4)), None);
     let position = track(None, Some((800.0, 3.0)));
@@ -160,8 +173,8 @@ pub fn terms() -> Vec<Term> {
     on_target[1] = target;
 
     let mass = &avatar.bone_masses[1];
-    let moving = BoneInertia::new(1, mass, &previous[1], &current[1], TIME_STEP);
-    let resting = BoneInertia::new(1, mass, &current[1], &current[1], TIME_STEP);
+    let moving = BoneInertia::new(1, mass, &moving, &current[1]);
+    let resting = BoneInertia::new(1, mass, &resting, &current[1]);
     let moments: Vec<_> = avatar.bone_masses.iter().map(|b| b.moments()).collect();
     let gravity = FrameGravity::new(
         DVec3::new(1.0, 2.0, -9.0),

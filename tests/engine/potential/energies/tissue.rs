@@ -10,7 +10,7 @@ use supple::internal::cpu::HessianForm;
 use supple::internal::math::Random;
 use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
-use supple::model::{Avatar, Frame, State};
+use supple::model::{Avatar, Frame, InertialTarget, State};
 use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, TissueFactors, Trial};
 
 /// What of a property is left where a term must not be felt.
@@ -188,11 +188,23 @@ impl Tissue {
                 collider.frame.position -= PLACE;
             }
         }
-        let [previous, current, state] = states(&avatar);
+        let [earlier, current, state] = states(&avatar);
+        let near = |seed| {
+            let mut state = earlier.moved(&vec![1e-3 * f64::from(seed); earlier.space().dofs()], 1.0);
+            state.handles.reverse();
+            state
+        };
+        let (previous, earliest) = (near(1), near(-2));
+        let past = [previous, earlier, earliest];
         let mut potential = CpuPotential::new(Arc::new(avatar), 1).unwrap();
         let start = StepStart {
             time_step: setup.time_step,
-            previous: &previous,
+            inertia: InertialTarget {
+                past: &past,
+                weights: [-2.4, 0.9, -0.15],
+                drift: 0.3,
+                step: 0.7 * setup.time_step,
+            },
             current: &current,
             colliders: &colliders,
             tissue_gravity: setup.tissue_gravity,

@@ -6,7 +6,7 @@ use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::math::Random;
 use supple::internal::{pose_offsets, random_state};
-use supple::model::{Avatar, Frame, State};
+use supple::model::{Avatar, Frame, InertialTarget, State};
 use supple::potential::{
     Evaluation, GpuOptions, GpuPotential, Potential, StepEnd, StepStart, TissueFactors, Trial,
 };
@@ -20,7 +20,7 @@ pub fn device() -> GpuDevice {
 
 /// One avatar's step: where it was, is, and is asked about.
 pub struct Case {
-    pub previous: State,
+    pub past: [State; 3],
     pub current: State,
     pub states: [State; 3],
     pub colliders: Vec<Collider>,
@@ -37,7 +37,9 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
             .collect();
         state.moved(&step, 1.0)
     };
-    let previous = random_state(seed, avatar, 0.3, 1e-3);
+    let first = random_state(seed, avatar, 0.3, 1e-3);
+    let second = moved(&first);
+    let previous = moved(&second);
     let current = moved(&previous);
     let states = std::array::from_fn(|_| moved(&current));
     let place = |shape: Shape, random: &mut Random| {
@@ -58,7 +60,7 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
     let shapes = Shape::examples().into_iter().cycle().skip(seed as usize);
     let colliders = shapes.take(count).map(|s| place(s, random)).collect();
     Case {
-        previous,
+        past: [previous, second, first],
         current,
         states,
         colliders,
@@ -76,7 +78,13 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
 pub fn start(case: &Case) -> StepStart<'_> {
     StepStart {
         time_step: 0.01,
-        previous: &case.previous,
+        // As after two steps of unlike lengths.
+        inertia: InertialTarget {
+            past: &case.past,
+            weights: [-2.4, 0.9, -0.15],
+            drift: 0.3,
+            step: 0.007,
+        },
         current: &case.current,
         colliders: &case.colliders,
         tissue_gravity: DVec3::new(0.0, 0.0, -9.81),

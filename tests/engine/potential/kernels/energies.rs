@@ -5,7 +5,7 @@ use super::contact::distances;
 use super::friction::{slid, smoothing};
 use super::material::Magnitudes;
 use super::points::mat9;
-use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, vec};
+use super::scene::{GRAVITY, INERTIAL_STEP, Phase, Scene, vec};
 use super::{INSTANCE, INSTANCES};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::elasticity::displacement_gradient;
@@ -40,6 +40,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
     let from_start = base == INSTANCE;
     let (phi, change) = scene.handles(phase, slot);
     let (_, base_change) = scene.handles(phase, base);
+    let (_, drift) = scene.handles(phase, INSTANCE);
     let moved = scene.moved(phase, slot);
     let base_moved = scene.moved(phase, base);
     let start = scene.moved(phase, INSTANCE);
@@ -67,8 +68,8 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         let size = delta.abs().dot(delta.abs() + 2.0 * abs_residual);
         add(
             0,
-            twin::inertia(mass, TIME_STEP, delta, residual),
-            0.5 * mass / (TIME_STEP * TIME_STEP) * size,
+            twin::inertia(mass, INERTIAL_STEP, delta, residual),
+            0.5 * mass / (INERTIAL_STEP * INERTIAL_STEP) * size,
         );
         let size = mass * GRAVITY.abs().dot(delta.abs());
         add(1, twin::gravity(mass, GRAVITY, delta), size);
@@ -84,10 +85,11 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
             twin::elastic(tissue, weight, DMat3::IDENTITY + h, d),
             weight * magnitudes.energy_difference(h, d, abs_d),
         );
-        let (mut before, mut abs_before) = (DMat3::ZERO, DMat3::ZERO);
+        let mut before = -displacement_gradient(basis, &drift);
+        let mut abs_before = abs_gradient(basis, &drift);
         if !from_start {
-            before = displacement_gradient(basis, &base_change);
-            abs_before = abs_gradient(basis, &base_change);
+            before += displacement_gradient(basis, &base_change);
+            abs_before += abs_gradient(basis, &base_change);
         }
         let tangent = mat9(&tangents[i]);
         let abs_tangent = tangent.map(|row| row.map(f64::abs));

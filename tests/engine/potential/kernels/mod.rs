@@ -22,6 +22,7 @@ pub type Check = (&'static str, fn(&Scene) -> Outcome);
 pub const CHECKS: &[Check] = &[
     ("pose_blend", points::pose_blend),
     ("displacement", points::displacement),
+    ("inertial_target", points::inertial_target),
     ("elasticity", points::elasticity),
     ("contact", contact::contact),
     ("select", select::select),

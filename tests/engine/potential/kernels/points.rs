@@ -1,4 +1,4 @@
-//! Kernels with one thread a point: pose_blend, displacement, elasticity, skin, normals.
+//! Kernels with one thread a point: pose_blend, displacement, inertial_target, elasticity, skin, normals.
 
 use super::INSTANCE;
 use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs, abs_cross};
@@ -7,6 +7,7 @@ use super::scene::{Phase, Scene, mat, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::displacement::{FrameMotion, position, unposed_displacement};
 use supple::internal::cpu::elasticity::{Damping, displacement_gradient, stress, tangent};
+use supple::internal::cpu::inertial_target as twin;
 use supple::internal::cpu::normals::{normal, vertex_triangles};
 use supple::internal::cpu::{displacement, pose_blend as pose_blend_twin, skin as skin_twin};
 use supple::internal::gpu::shared;
@@ -80,7 +81,7 @@ pub fn displacement(scene: &Scene) -> Outcome {
     let set = &scene.avatar.cubature;
     let phase = Phase::Evaluated;
     let rest = scene.rest(phase, "unposed", set);
-    // Both the start's own slot and the evaluated state.
+    // Both the start's own slot, whose d gave way to ŷ, and the evaluated state.
     for slot in [INSTANCE, phase.slot()] {
         let (base, increment) = scene.handles(phase, slot);
         let motions = scene.motions(phase, slot);
@@ -109,7 +110,9 @@ pub fn displacement(scene: &Scene) -> Outcome {
                 abs_change,
             );
             let roundings = basis.len() + skinning.len() + 8;
-            out.vector(vec(got[i].displacement), want, magnitude, roundings);
+            if slot != INSTANCE {
+                out.vector(vec(got[i].displacement), want, magnitude, roundings);
+            }
             let roundings = basis.len() + 2;
             out.vector(
                 vec(got[i].unposed),
@@ -124,6 +127,27 @@ pub fn displacement(scene: &Scene) -> Outcome {
         }
     }
     out.finish("d and T")
+}
+
+/// ŷ: c U φ and its sums (n_h + 1), T − J, four rows of a matrix (3 each), their sums, w, and the sums over bones.
+pub fn inertial_target(scene: &Scene) -> Outcome {
+    let mut out = Comparison::default();
+    let set = &scene.avatar.cubature;
+    let phase = Phase::Evaluated;
+    let [past, sizes] = scene.past(phase);
+    let got = scene.moved(phase, INSTANCE);
+    for (i, got) in got.iter().enumerate() {
+        let (skinning, basis) = (set.skinning.row(i), set.basis.row(i));
+        let unposed = vec(got.unposed);
+        let want = twin::inertial_target(skinning, basis, scene.joints(), &past, unposed);
+        let (abs_skinning, abs_basis) = abs_rows(skinning, basis);
+        let joints = minus_joints(scene);
+        let magnitude =
+            twin::inertial_target(&abs_skinning, &abs_basis, &joints, &sizes, unposed.abs());
+        let roundings = basis.len() + skinning.len() + 12;
+        out.vector(vec(got.displacement), want, magnitude, roundings);
+    }
+    out.finish("ŷ")
 }
 
 pub fn mat9(t: &shared::Tangent) -> Mat9 {
@@ -160,16 +184,19 @@ pub fn elasticity(scene: &Scene) -> Outcome {
     let mut clamped = 0;
     for slot in [INSTANCE, phase.slot()] {
         let (_, increment) = scene.handles(phase, slot);
+        let (_, drift) = scene.handles(phase, INSTANCE);
         let phi = scene.displaced(phase, slot);
         let stresses: Vec<shared::Mat3> = scene.items(phase, "stress", slot, set.len());
         let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", slot, set.len());
         for i in 0..set.len() {
             let (basis, tissue) = (set.basis.row(i), scene.tissue_at(i));
             let h = displacement_gradient(basis, &phi);
-            let change = displacement_gradient(basis, &increment);
+            let change =
+                displacement_gradient(basis, &increment) - displacement_gradient(basis, &drift);
             let (_, abs_basis) = abs_rows(&[], basis);
             let abs_h = displacement_gradient(&abs_basis, &abs_all(&phi));
-            let abs_change = displacement_gradient(&abs_basis, &abs_all(&increment));
+            let abs_change = displacement_gradient(&abs_basis, &abs_all(&increment))
+                + displacement_gradient(&abs_basis, &abs_all(&drift));
             let start = mat9(&starts[i]);
             let rate = scene.damping_rate();
             let damping = (slot != INSTANCE).then_some(Damping {

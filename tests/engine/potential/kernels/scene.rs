@@ -1,7 +1,9 @@
 //! A seeded random scene run on the device, and everything its kernels read and wrote.
 
 use super::input::{avatar, colliders, reach, rounded_collider};
+use super::bound::abs;
 use super::{INSTANCE, INSTANCES, STATES};
+use supple::internal::cpu::inertial_target::PastMotion;
 use bytemuck::AnyBitPattern;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,7 +16,7 @@ use supple::internal::gpu::{Sources, shared};
 use supple::internal::math::Random;
 use supple::internal::{pose_offsets, random_state};
 use supple::material::MaterialPoint;
-use supple::model::{Avatar, Frame, PointSet, State};
+use supple::model::{Avatar, Frame, InertialTarget, PointSet, State};
 use supple::potential::{
     BlockPattern, Evaluation, GpuKernels, GpuOptions, GpuPotential, Potential, StepStart,
     TissueFactors, Trial,
@@ -22,6 +24,8 @@ use supple::potential::{
 
 /// h: a power of two, so that its inverse is exact.
 pub const TIME_STEP: f64 = 1.0 / 128.0;
+/// h̃, s.
+pub const INERTIAL_STEP: f64 = 0.6875 * TIME_STEP;
 /// With its factor.
 pub const GRAVITY: DVec3 = DVec3::new(1.5, -2.25, 9.75);
 /// So that of the slips some are below it and some above.
@@ -47,6 +51,8 @@ const LOOKED_AT: &[(Phase, &[&str])] = &[
             "pose_features",
             "frames",
             "handles",
+            "past_frames",
+            "past_handles",
             "unposed",
             "skin_unposed",
             "motion",
@@ -124,6 +130,19 @@ pub fn device() -> GpuDevice {
     )
 }
 
+/// As after two steps of unlike lengths.
+pub fn inertia(past: &[State]) -> InertialTarget<'_> {
+    InertialTarget {
+        past,
+        weights: WEIGHTS,
+        drift: 0.3,
+        step: INERTIAL_STEP,
+    }
+}
+
+/// c₁ to c₃.
+const WEIGHTS: [f64; 3] = [-2.4, 0.9, -0.15];
+
 impl Scene {
     /// Runs the kernels of `sources` (the library's own if `None`).
     pub fn run(gpu: &GpuDevice, seed: u64, sources: Option<Sources>) -> Result<Self> {
@@ -155,16 +174,18 @@ impl Scene {
                 .collect()
         };
         // Handles far out: stretched, squeezed and inverted points, so that every negative eigenvalue occurs.
-        let mut previous: Vec<State> = (0..INSTANCES)
+        let mut earliest: Vec<State> = (0..INSTANCES)
             .map(|i| random_state(seed + i as u64, &avatar, 0.4, 2e-3))
             .collect();
-        for state in &mut previous {
+        for state in &mut earliest {
             state.handles.iter_mut().for_each(|phi| *phi *= reach(seed));
         }
         let mut moved = |states: &[State], size: f64| -> Vec<State> {
             let steps = states.iter().map(|s| s.moved(&step(random, size), 1.0));
             steps.collect()
         };
+        let earlier = moved(&earliest, 1e-3);
+        let previous = moved(&earlier, 1e-3);
         let current = moved(&previous, 1e-3);
         let state = moved(&current, 1e-3);
         let trial = moved(&state, 5e-4);
@@ -175,10 +196,13 @@ impl Scene {
         let offsets: Vec<_> = (0..INSTANCES)
             .map(|i| pose_offsets(seed + i as u64, &avatar, 5e-3))
             .collect();
+        let past: Vec<[State; 3]> = (0..INSTANCES)
+            .map(|i| [&previous, &earlier, &earliest].map(|states| states[i].clone()))
+            .collect();
         let starts: Vec<_> = (0..INSTANCES)
             .map(|i| StepStart {
                 time_step: TIME_STEP,
-                previous: &previous[i],
+                inertia: inertia(&past[i]),
                 current: &current[i],
                 colliders: &colliders[i],
                 tissue_gravity: GRAVITY / factors().gravity,
@@ -248,9 +272,9 @@ impl Scene {
         tissue
     }
 
-    /// β/h, with its factor.
+    /// β/h̃, with its factor.
     pub fn damping_rate(&self) -> f64 {
-        factors().damping * self.avatar.damping_time / TIME_STEP
+        factors().damping * self.avatar.damping_time / INERTIAL_STEP
     }
 
     /// Items `[index · count, (index + 1) · count)` of a buffer.
@@ -306,6 +330,36 @@ impl Scene {
             translation_change: vec(f.position_increment),
         };
         frames.iter().map(motion).collect()
+    }
+
+    /// What inertia takes from the past, and the same with nothing but sizes in it.
+    pub fn past(&self, phase: Phase) -> [PastMotion; 2] {
+        let space = self.avatar.space();
+        let frames: Vec<shared::PastFrame> =
+            self.items(phase, "past_frames", INSTANCE, space.frames);
+        let handles: Vec<shared::PastHandle> =
+            self.items(phase, "past_handles", INSTANCE, space.handles);
+        let rotations = |of: fn(&shared::PastFrame) -> shared::Mat3| -> Vec<DMat3> {
+            frames.iter().map(|f| mat(of(f))).collect()
+        };
+        let changes = |of: fn(&shared::PastHandle) -> [f32; 3]| -> Vec<DVec3> {
+            handles.iter().map(|h| vec(of(h))).collect()
+        };
+        let past = PastMotion {
+            frames: (frames.iter())
+                .map(|f| (mat(f.turn), vec(f.shift)))
+                .collect(),
+            rotations: [rotations(|f| f.first), rotations(|f| f.second), rotations(|f| f.third)],
+            handles: [changes(|h| h.first), changes(|h| h.second), changes(|h| h.third)],
+            terms: 3,
+        };
+        let mut sizes = past.clone();
+        for (turn, shift) in &mut sizes.frames {
+            (*turn, *shift) = (abs(*turn), shift.abs());
+        }
+        (sizes.rotations.iter_mut().flatten()).for_each(|r| *r = abs(*r));
+        (sizes.handles.iter_mut().flatten()).for_each(|h| *h = h.abs());
+        [past, sizes]
     }
 
     /// (φ_base, Δφ) of the state in `slot`.

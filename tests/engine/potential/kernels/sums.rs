@@ -4,7 +4,7 @@ use super::INSTANCE;
 use super::bound::{Comparison, Outcome, abs, abs_cross, abs_skew};
 use super::compact::{listed, places, rows, vertex_blocks};
 use super::points::{mat9, minus_joints};
-use super::scene::{GRAVITY, Phase, Scene, TIME_STEP, mat, prescribed, vec};
+use super::scene::{GRAVITY, INERTIAL_STEP, Phase, Scene, mat, prescribed, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::displacement::arms;
 use supple::internal::cpu::gradient::{gradient as gradient_twin, point_force};
@@ -44,10 +44,10 @@ fn prepare(scene: &Scene) -> Vec<Prepared> {
     let point = |i: usize| {
         let (skinning, weight) = (set.skinning.row(i), set.measure[i]);
         let mass = scene.avatar.density * weight;
-        let inertia = mass / (TIME_STEP * TIME_STEP);
+        let inertia = mass / (INERTIAL_STEP * INERTIAL_STEP);
         let (d, y) = (vec(motions[i].displacement), vec(starts[i].displacement));
         let unposed = vec(motions[i].unposed);
-        let force = point_force(mass, TIME_STEP, d, y, GRAVITY);
+        let force = point_force(mass, INERTIAL_STEP, d, y, GRAVITY);
         let blended = mat(motions[i].blended);
         let mut tangent = mat9(&tangents[i]);
         tangent.iter_mut().flatten().for_each(|c| *c *= weight);

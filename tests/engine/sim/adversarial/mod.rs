@@ -13,7 +13,7 @@ use storm::{BEYOND, STATED, Severity, Storm, set_time_step};
 use supple::Error;
 use supple::glam::DVec3;
 use supple::internal::cpu::min_det_f;
-use supple::model::Avatar;
+use supple::model::{Avatar, Integrator};
 use supple::potential::{CpuPotential, Potential};
 use supple::sim::{Settings, Simulation, SolverMode};
 use supple::skeleton::{Spring, Tracking};
@@ -21,7 +21,7 @@ use supple::skeleton::{Spring, Tracking};
 fn modes() -> [SolverMode; 3] {
     [
         SolverMode::OneIteration,
-        SolverMode::TWO_ITERATIONS,
+        SolverMode::BUDGETED,
         SolverMode::Converged {
             tolerance: 1e-6,
             max_iterations: 30,
@@ -32,6 +32,11 @@ fn modes() -> [SolverMode; 3] {
 fn settings(solver: SolverMode) -> Settings {
     Settings {
         solver,
+        // The paper's mode is of the paper's integrator.
+        integrator: match solver {
+            SolverMode::OneIteration => Integrator::BackwardEuler,
+            _ => Integrator::Bdf2,
+        },
         bending_stiffness: 0.5,
         ..Settings::default()
     }
@@ -48,11 +53,8 @@ fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
     let rest = finger().rest_state();
     let instance = &mut simulation.instances_mut()[0];
     instance.colliders.retain(|c| c.body.is_some());
-    for ball in instance.state.frames.iter_mut().skip(rest.frames.len()) {
-        *ball = AWAY;
-    }
-    for ball in instance.previous.frames.iter_mut().skip(rest.frames.len()) {
-        *ball = AWAY;
+    for ball in rest.frames.len()..instance.state.frames.len() {
+        instance.set_motion(ball, AWAY, DVec3::ZERO, DVec3::ZERO);
     }
     for limit in &mut instance.limits {
         // Weaker than what draws the bones: a stiff one between two bones that are half a turn off, one each way round,

@@ -134,7 +134,7 @@ impl Storm {
     }
 
     /// Something happens.
-    fn strike(&mut self, skin: &Surface, instance: &mut Instance, time_step: f64) {
+    fn strike(&mut self, skin: &Surface, instance: &mut Instance) {
         // A body's collider stays.
         let kept = usize::from(self.company);
         match self.random.index(if self.company { 6 } else { 4 }) {
@@ -163,7 +163,7 @@ impl Storm {
                 };
                 let velocity = self.random.vector(1.0) - normal;
                 let spin = self.random.vector(30.0);
-                instance.set_motion(3, at, velocity, spin, time_step);
+                instance.set_motion(3, at, velocity, spin);
             }
             5 => {
                 let limit = self.random.index(2);
@@ -234,8 +234,7 @@ impl Storm {
                     positions: skin[..finger().skin.len()].to_vec(),
                     triangles: finger().triangles.clone(),
                 };
-                let time_step = simulation.settings().time_step;
-                self.strike(&surface, &mut simulation.instances_mut()[0], time_step);
+                self.strike(&surface, &mut simulation.instances_mut()[0]);
             }
             if self.random.index(2) == 0 {
                 let time_step = self.scaled(self.severity.time_steps);
@@ -249,7 +248,7 @@ impl Storm {
             self.bite = bites.fold(self.bite, f64::max);
             if outcome.is_err() {
                 assert_eq!(before.state, after.state, "step {step}");
-                assert_eq!(before.previous, after.previous, "step {step}");
+                assert_eq!(before.history, after.history, "step {step}");
             } else {
                 simulation
                     .read_skin_blocking(0, &mut skin, &mut normals)

@@ -7,7 +7,7 @@ use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::math::Random;
-use supple::model::{Avatar, BoneMass, Frame, State};
+use supple::model::{Avatar, BoneMass, Frame, InertialTarget, State};
 use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, TissueFactors};
 
 /// Two blocks, the second of which carries a ball that the first falls on.
@@ -59,7 +59,9 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
             DVec3::new(-2e-3, 1e-3, 5e-3),
             DVec3::new(0.02, -0.03, 0.05),
         );
-        instance.previous.frames[0] = approach;
+        let mut previous = instance.state.clone();
+        previous.frames[0] = approach;
+        (instance.history).set_previous(&previous, &instance.state, 0.01);
         let (mut exchanged, mut turned, mut touched, mut slid) = (0.0, 0.0, 0, 0.0);
         for step in 0..30 {
             let [old, now] = [0, 1].map(|_| simulation.instances()[0].clone());
@@ -69,12 +71,14 @@ fn two_free_bodies_that_collide_keep_their_momentum() -> Result<()> {
             slid = f64::max(slid, report.energies.friction.abs());
             let changes = (0..2).map(|j| {
                 let (a, b, c) = (
-                    &old.previous.frames[j],
+                    &old.history.previous().frames[j],
                     &now.state.frames[j],
                     &new.frames[j],
                 );
-                let rotation = (c.rotation - b.rotation) - (b.rotation - a.rotation);
-                let position = (c.position - b.position) - (b.position - a.position);
+                // Of the first step the one before was an instant.
+                let before = 0.01 / now.history.last_step();
+                let rotation = (c.rotation - b.rotation) - (b.rotation - a.rotation) * before;
+                let position = (c.position - b.position) - (b.position - a.position) * before;
                 let (mass, _) = avatar.bone_masses[j].moments();
                 let torque = cross_moment(&avatar.bone_masses[j], c, (rotation, position));
                 (mass * position, torque)
@@ -111,7 +115,7 @@ fn nothing_touches_what_its_own_frame_carries() -> Result<()> {
         let colliders = [ball];
         let start = StepStart {
             time_step: 0.01,
-            previous: &state,
+            inertia: InertialTarget::backward_euler(&state, 0.01),
             current: &state,
             colliders: &colliders,
             tissue_gravity: DVec3::ZERO,

@@ -10,9 +10,7 @@ use std::sync::Arc;
 use supple::Result;
 use supple::glam::DVec3;
 use supple::internal::math::Rows;
-use supple::model::{
-    Avatar, BoneMass, JointList, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer, UpAxis,
-};
+use supple::model::{Avatar, BoneMass, Integrator, JointList, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer, UpAxis};
 use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation, SolverMode};
 
@@ -85,6 +83,7 @@ fn simulation(avatar: &Avatar, solver: SolverMode) -> Result<Simulation<CpuPoten
     let potential = CpuPotential::new(Arc::new(avatar.clone()), 1)?;
     let settings = Settings {
         solver,
+        integrator: Integrator::BackwardEuler,
         ..Settings::default()
     };
     Simulation::new(avatar, potential, settings)
