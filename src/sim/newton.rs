@@ -93,7 +93,7 @@ impl Newton {
             ),
         };
         self.running.clone_from(&self.active);
-        self.start(members, timings).await?;
+        self.start(members, budgeted, timings).await?;
         for iteration in 1..=max_iterations {
             if iteration > 1 {
                 self.evaluate(members, timings).await?;
@@ -111,11 +111,17 @@ impl Newton {
     }
 
     /// Evaluates the predictions, then the fall-backs of those that raise the energy, and keeps the lower.
-    async fn start<M: Members>(&mut self, members: &mut M, timings: &mut Timings) -> Result<()> {
+    async fn start<M: Members>(
+        &mut self,
+        members: &mut M,
+        budgeted: bool,
+        timings: &mut Timings,
+    ) -> Result<()> {
         self.evaluate(members, timings).await?;
         for group in 0..self.groups.len() {
             let group = self.groups.members(group);
-            let falling = self.iterates.energy(group) <= ENERGY_RESOLUTION;
+            let energy = self.iterates.energy(group);
+            let falling = energy <= ENERGY_RESOLUTION || (budgeted && energy.is_finite());
             for &i in group {
                 // A prediction that overflows is a rise as well.
                 self.rising[i] = self.running[i] && !falling;

@@ -8,6 +8,7 @@ mod contact_pairs;
 mod dynamics;
 mod imports;
 mod linear_solver;
+mod motion;
 mod newton;
 mod springs;
 mod statics;
