@@ -9,7 +9,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::{random_avatar, random_state};
 use supple::model::{Frame, InertialTarget, State};
 use supple::potential::{
-    CpuPotential, Evaluation, Potential, StepEnd, StepStart, TissueFactors, Trial,
+    CpuPotential, Difference, Evaluation, Potential, StepEnd, StepStart, TissueFactors, Trial,
 };
 
 const BONES: usize = 16;
@@ -100,7 +100,7 @@ fn bench(criterion: &mut Criterion) {
             base: &current,
             state: &states[0],
         };
-        let mut differences = [0.0];
+        let mut differences = [Difference::default()];
         group.bench_function("energy_difference", |b| {
             b.iter(|| {
                 pollster::block_on(

@@ -14,6 +14,8 @@ struct PartialEnergy {
     contact: f32,
     friction: f32,
     left_out: f32,     // contacts for which there was no room
+    unforeseen: f32,   // of contacts, what a quadratic model at the base does not foresee, N
+    pressing: f32,     // Σ k a δ, N
 }
 
 struct Summary {
@@ -46,13 +48,13 @@ fn packed(e: PartialEnergy) -> mat3x4<f32> {
     return mat3x4<f32>(
         vec4(e.inertia, e.gravity, e.elastic, e.damping),
         vec4(e.force, e.contact),
-        vec4(e.friction, e.left_out, 0.0, 0.0),
+        vec4(e.friction, e.left_out, e.unforeseen, e.pressing),
     );
 }
 
 fn unpacked(e: mat3x4<f32>) -> PartialEnergy {
     return PartialEnergy(
-        e[0].x, e[0].y, e[0].z, e[0].w, e[1].xyz, e[1].w, e[2].x, e[2].y,
+        e[0].x, e[0].y, e[0].z, e[0].w, e[1].xyz, e[1].w, e[2].x, e[2].y, e[2].z, e[2].w,
     );
 }
 
@@ -135,6 +137,20 @@ fn lagged_normal(contact: Lagged, slot: u32) -> vec3<f32> {
     return frames[slot * constants.bones + contact.body - 1u].rotation * contact.normal;
 }
 
+// |f(u) − f(u_base) − H(u_base) (u − u_base)| of a unit limit, f = f₀′(|u_T|) u_T/|u_T|
+fn unforeseen(base: vec3<f32>, u: vec3<f32>, smoothing: f32) -> f32 {
+    let y = length(base);
+    let slopes = smoothed_slopes(y, smoothing);
+    var along = vec3<f32>();
+    if (y > 0.0) {
+        along = base / y;
+    }
+    let change = u - base;
+    let modelled = slopes.x * change + (slopes.y - slopes.x) * dot(along, change) * along;
+    let force = smoothed_slopes(length(u), smoothing).x * u;
+    return length(force - slopes.x * base - modelled);
+}
+
 // Adds the lagged contact `k` of the state's instance.
 fn add_friction(k: u32, state: BatchState, out: ptr<function, PartialEnergy>) {
     let contact = lagged[lagged_header(state.instance) + 1u + k];
@@ -144,12 +160,14 @@ fn add_friction(k: u32, state: BatchState, out: ptr<function, PartialEnergy>) {
         u += slips[state.base * constants.contacts + k].xyz;
         base_normal = lagged_normal(contact, state.base);
     }
-    let base = length(tangential(u, base_normal));
+    let from_base = tangential(u, base_normal);
+    let base = length(from_base);
     u = tangential(u + slips[state.slot * constants.contacts + k].xyz,
         lagged_normal(contact, state.slot));
     let y = length(u);
     (*out).friction += contact.limit * smoothed_difference(base, y, state.smoothing);
     (*out).force -= contact.limit * smoothed_slopes(y, state.smoothing).x * u;
+    (*out).unforeseen += contact.limit * unforeseen(from_base, u, state.smoothing);
 }
 
 // One thread a skin vertex, which takes its share of the lagged contacts as well.
@@ -171,6 +189,10 @@ fn contact_energy(
                 * points[i].measure;
             mine.contact += 0.5 * stiffness * (depth - base_depth) * (depth + base_depth);
             mine.force += stiffness * depth * here.xyz;
+            mine.pressing += stiffness * depth;
+            if ((depth > 0.0) != (base_depth > 0.0)) {
+                mine.unforeseen += stiffness * max(depth, base_depth);
+            }
             mine.left_out += f32(touches_but_is_left_out(here.w));
         }
     }

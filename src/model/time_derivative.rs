@@ -170,7 +170,11 @@ mod tests {
     /// x̂ is exact for what moves evenly, and x̂ + h̃² ẍ for what is accelerated evenly: second order.
     #[test]
     fn it_is_exact_to_second_order_at_any_steps() {
-        let (x0, v, a) = (DVec3::X, DVec3::new(0.3, -2.0, 1.0), DVec3::new(-5.0, 3.0, 9.0));
+        let (x0, v, a) = (
+            DVec3::X,
+            DVec3::new(0.3, -2.0, 1.0),
+            DVec3::new(-5.0, 3.0, 9.0),
+        );
         let q = |t: f64| x0 + v * t + 0.5 * a * t * t;
         let (now, history) = irregular(q);
         let h = 0.012;

@@ -157,6 +157,22 @@ pub struct Trial<'a> {
     pub state: &'a State,
 }
 
+/// What an implementation says of a [`Trial`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Difference {
+    /// E(state) − E(base), J. Where it overflows it is not finite.
+    pub energy: f64,
+    /// Σ |force| of contacts that opened or closed on the way, and of friction that gave way, N: what the quadratic model at
+    /// the base does not foresee,
+    ///
+    /// ```text
+    /// Σ k a max(δ, δ_base) of pairs that touch in one of the two states only + Σ |f(u) − f(u_base) − H(u_base) (u − u_base)|
+    /// ```
+    pub unforeseen_force: f64,
+    /// Σ k a δ of all contacts of the state, N.
+    pub pressing_force: f64,
+}
+
 /// What the previous posed skin of an instance is once another is posed: a renderer draws motion between the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviousSkin {
@@ -237,12 +253,12 @@ pub trait Potential {
         out: &mut [StepEnd],
     ) -> impl Future<Output = Result<()>>;
 
-    /// E(state) − E(base) of each trial, summed from increments; `out` is as long as `trials`. Where it overflows it
-    /// is not finite: the trial is a bad one, not the call.
+    /// What there is between state and base of each trial, energies summed from increments; `out` is as long as `trials`.
+    /// Where it overflows it is not finite: the trial is a bad one, not the call.
     fn energy_differences(
         &mut self,
         trials: &[Trial<'_>],
-        out: &mut [f64],
+        out: &mut [Difference],
     ) -> impl Future<Output = Result<()>>;
 
     /// Poses the drawn skin of every instance, with x̄ of the state's own pose and of its `offsets` (of each instance, or

@@ -243,7 +243,11 @@ impl Instance {
             not_negative("instance.colliders.stiffness", collider.stiffness, "Pa/m")?;
             not_negative("instance.colliders.margin", collider.margin, "metres")?;
         }
-        check(self.history.is_valid(), "history", "holds a time that is none")?;
+        check(
+            self.history.is_valid(),
+            "history",
+            "holds a time that is none",
+        )?;
         check(self.gravity.is_finite(), "gravity", "is not finite")?;
         check(is_rotation(&self.file_axes), "file_axes", "is no rotation")?;
         self.factors.validate().map_err(|e| e.within("instance"))

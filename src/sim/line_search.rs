@@ -7,7 +7,7 @@ use super::report::{Stop, Timings};
 use crate::Result;
 use crate::math::{Stopwatch, recycled};
 use crate::model::State;
-use crate::potential::Trial;
+use crate::potential::{Difference, Trial};
 
 /// Step lengths α tried in one call, call by call: the whole step mostly serves, and what follows shares its calls.
 const CALLS: [&[f64]; 4] = [
@@ -23,6 +23,9 @@ const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Part of the modelled fall of E by which it may miss.
 const MODEL_ERROR: f64 = 0.1;
 
+/// Part of the force of all contacts that may be unforeseen.
+const UNFORESEEN: f64 = 0.05;
+
 /// What f32 resolves of E, J.
 const ENERGY_RESOLUTION: f64 = 1e-8;
 
@@ -30,12 +33,12 @@ const ENERGY_RESOLUTION: f64 = 1e-8;
 #[derive(Default)]
 pub(super) struct LineSearch {
     states: Vec<State>,
-    differences: Vec<f64>,
+    differences: Vec<Difference>,
     trials: Vec<Trial<'static>>,
     /// Groups for which no α has served so far.
     pending: Vec<usize>,
-    /// Of the groups of members that were searched: E(q + δ) − E(q) where the whole step served, J.
-    whole: Vec<Option<f64>>,
+    /// Of the groups of members that were searched: what came of the whole step where it served.
+    whole: Vec<Option<Difference>>,
 }
 
 impl LineSearch {
@@ -72,11 +75,14 @@ impl LineSearch {
         Ok(())
     }
 
-    /// Whether a group took its whole step, and E fell by what the quadratic model says: half the decrement.
+    /// Whether a group took its whole step, E fell by what the quadratic model says, half the decrement, and no contact did
+    /// what it does not see.
     pub fn as_modelled(&self, group: &[usize], minimisations: &[Minimisation]) -> bool {
         let modelled = 0.5 * minimisations[group[0]].report.decrement;
         self.whole[group[0]].is_some_and(|difference| {
-            (difference + modelled).abs() <= MODEL_ERROR * modelled + ENERGY_RESOLUTION
+            let missed = (difference.energy + modelled).abs();
+            missed <= MODEL_ERROR * modelled + ENERGY_RESOLUTION
+                && difference.unforeseen_force <= UNFORESEEN * difference.pressing_force
         })
     }
 
@@ -96,7 +102,7 @@ impl LineSearch {
                 .copied()
         };
         let count = tried().count() * alphas.len();
-        self.differences.resize(count, 0.0);
+        self.differences.resize(count, Difference::default());
         self.states
             .resize_with(self.states.len().max(count), || State {
                 frames: Vec::new(),
@@ -120,7 +126,7 @@ impl LineSearch {
             .await?;
         for (trial, difference) in trials.iter().zip(&mut self.differences) {
             let skeleton = &minimisations[trial.instance].skeleton;
-            *difference += skeleton
+            difference.energy += skeleton
                 .difference(&trial.base.frames, &trial.state.frames)
                 .total();
         }
@@ -142,7 +148,7 @@ impl LineSearch {
             let tried = first..first + members.len();
             first = tried.end;
             let lowers = |t: &usize| {
-                let difference = |k| self.differences[k * alphas.len() + t];
+                let difference = |k: usize| self.differences[k * alphas.len() + t].energy;
                 let decrement = minimisations[members[0]].report.decrement;
                 let demanded = SUFFICIENT_DECREASE * alphas[*t] * decrement;
                 // False for NaN: a trial that overflows is a bad one.
@@ -151,8 +157,14 @@ impl LineSearch {
             let found = (0..alphas.len()).find(lowers);
             if let Some(t) = found {
                 if alphas[t] == 1.0 {
-                    let sum = tried.clone().map(|k| self.differences[k * alphas.len() + t]);
-                    self.whole[members[0]] = Some(sum.sum());
+                    let mut sum = Difference::default();
+                    for k in tried.clone() {
+                        let of_member = &self.differences[k * alphas.len() + t];
+                        sum.energy += of_member.energy;
+                        sum.unforeseen_force += of_member.unforeseen_force;
+                        sum.pressing_force += of_member.pressing_force;
+                    }
+                    self.whole[members[0]] = Some(sum);
                 }
                 for (k, &i) in tried.clone().zip(members) {
                     states[i].clone_from(&self.states[k * alphas.len() + t]);

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::model::State;
 use crate::potential::{
-    Evaluation, HessianForm, Potential, PreviousSkin, StepEnd, StepStart, Trial,
+    Difference, Evaluation, HessianForm, Potential, PreviousSkin, StepEnd, StepStart, Trial,
 };
 use std::future::Future;
 
@@ -41,7 +41,7 @@ pub(crate) trait Members {
     fn energy_differences(
         &mut self,
         trials: &[Trial<'_>],
-        out: &mut [f64],
+        out: &mut [Difference],
     ) -> impl Future<Output = Result<()>>;
 
     /// Poses the drawn skin of every member.
@@ -89,7 +89,7 @@ impl<P: Potential> Members for P {
     fn energy_differences(
         &mut self,
         trials: &[Trial<'_>],
-        out: &mut [f64],
+        out: &mut [Difference],
     ) -> impl Future<Output = Result<()>> {
         Potential::energy_differences(self, trials, out)
     }

@@ -41,6 +41,8 @@ pub(super) struct Minimisation {
     pub prescribed: Vec<bool>,
     /// Which DoFs are: all six of such a frame.
     pub fixed: Vec<bool>,
+    /// Whether there is anything that it might touch.
+    pub may_touch: bool,
     /// Bones that are put where their parents end.
     pub carried: Vec<CarriedBone>,
     /// Those of them that swing.
@@ -64,6 +66,7 @@ impl Minimisation {
             skeleton,
             current,
             fixed: vec![false; dofs],
+            may_touch: false,
             carried: Vec::new(),
             swing: Swing::default(),
             step: vec![0.0; dofs],

@@ -14,6 +14,7 @@ use super::settings::SolverMode;
 use super::solvers::Systems;
 use crate::Result;
 use crate::math::{Stopwatch, par_members, par_split};
+use crate::model::State;
 
 /// What f32 resolves of E, J: a smaller rise is noise.
 const ENERGY_RESOLUTION: f64 = 1e-8;
@@ -33,8 +34,10 @@ pub(super) struct Newton {
     pub active: Vec<bool>,
     /// The predictions before, the results after.
     pub iterates: Iterates,
-    /// Where the minimisations start whose prediction raises the energy, see [`super::prediction::fall_back`].
-    pub fallbacks: Iterates,
+    /// Where the minimisations start whose prediction raises the energy, see [`super::prediction::carry_on`].
+    pub others: Iterates,
+    /// And where those start for which that raises it too, see [`super::prediction::fall_back`].
+    pub fallbacks: Vec<State>,
     /// Which members move in one linear system.
     pub groups: Groups,
     systems: Systems,
@@ -54,7 +57,8 @@ impl Newton {
         Self {
             active: vec![false; count],
             iterates: Iterates::new(states()),
-            fallbacks: Iterates::new(states()),
+            others: Iterates::new(states()),
+            fallbacks: states(),
             groups: Groups::singles(count),
             systems,
             coupled: Coupled::default(),
@@ -93,7 +97,7 @@ impl Newton {
             ),
         };
         self.running.clone_from(&self.active);
-        self.start(members, budgeted, timings).await?;
+        self.start(members, timings).await?;
         for iteration in 1..=max_iterations {
             if iteration > 1 {
                 self.evaluate(members, timings).await?;
@@ -110,42 +114,56 @@ impl Newton {
         Ok(())
     }
 
-    /// Evaluates the predictions, then the fall-backs of those that raise the energy, and keeps the lower.
-    async fn start<M: Members>(
-        &mut self,
-        members: &mut M,
-        budgeted: bool,
-        timings: &mut Timings,
-    ) -> Result<()> {
+    /// Evaluates the predictions; of those that raise the energy the bones' alone; of those that do so too the fall-backs. Keeps
+    /// the lowest.
+    async fn start<M: Members>(&mut self, members: &mut M, timings: &mut Timings) -> Result<()> {
         self.evaluate(members, timings).await?;
+        self.find_rising();
+        for fallback in [false, true] {
+            if !self.rising.contains(&true) {
+                return Ok(());
+            }
+            if fallback {
+                let states = self.others.states.iter_mut().zip(&mut self.fallbacks);
+                let rising = states.zip(&self.rising).filter(|(_, rising)| **rising);
+                rising.for_each(|((state, fallback), _)| std::mem::swap(state, fallback));
+            }
+            self.start_elsewhere(members, fallback, timings).await?;
+            self.find_rising();
+        }
+        Ok(())
+    }
+
+    /// Which starts raise the energy.
+    fn find_rising(&mut self) {
         for group in 0..self.groups.len() {
             let group = self.groups.members(group);
-            let energy = self.iterates.energy(group);
-            let falling = energy <= ENERGY_RESOLUTION || (budgeted && energy.is_finite());
+            let falling = self.iterates.energy(group) <= ENERGY_RESOLUTION;
             for &i in group {
-                // A prediction that overflows is a rise as well.
+                // A start that overflows is a rise as well.
                 self.rising[i] = self.running[i] && !falling;
             }
         }
-        if !self.rising.contains(&true) {
-            return Ok(());
-        }
-        self.fallbacks
-            .evaluate(
-                members,
-                &self.minimisations,
-                &self.systems,
-                &self.rising,
-                timings,
-            )
+    }
+
+    /// Takes the other starts of those that rise, where they are lower.
+    async fn start_elsewhere<M: Members>(
+        &mut self,
+        members: &mut M,
+        fallback: bool,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let (minimisations, systems) = (&self.minimisations, &self.systems);
+        (self.others)
+            .evaluate(members, minimisations, systems, &self.rising, timings)
             .await?;
         for group in 0..self.groups.len() {
             let group = self.groups.members(group);
             // Pins can carry the bones so far from qⁿ that the prediction is the lower all the same.
-            let lower = self.iterates.energy(group) <= self.fallbacks.energy(group);
+            let lower = self.iterates.energy(group) <= self.others.energy(group);
             for &i in group.iter().filter(|&&i| self.rising[i] && !lower) {
-                self.iterates.swap(i, &mut self.fallbacks);
-                self.minimisations[i].report.started_at_current = true;
+                self.iterates.swap(i, &mut self.others);
+                self.minimisations[i].report.started_at_current = fallback;
             }
         }
         Ok(())
@@ -228,13 +246,11 @@ impl Newton {
     /// Moves every running member whose step is no longer than `length` (a group's is the longest of its members) by
     /// its whole step, and ends its minimisation; where it must be `without_contact`, none of what touches something.
     fn take_short_steps(&mut self, length: f64, stop: Stop, without_contact: bool) {
-        let touches = |i: usize| {
-            let group = self.groups.of(i);
-            (self.groups.members(group).iter()).any(|&j| self.iterates.evaluations[j].contacts > 0)
-        };
         for i in 0..self.minimisations.len() {
             let short = self.running[i] && self.minimisations[i].report.step_length <= length;
-            if short && !(without_contact && touches(i)) {
+            let group = self.groups.members(self.groups.of(i));
+            let touches = || group.iter().any(|&j| self.minimisations[j].may_touch);
+            if short && !(without_contact && touches()) {
                 let minimisation = &mut self.minimisations[i];
                 self.iterates.states[i].move_by(&minimisation.step, 1.0);
                 minimisation.report.stop = stop;

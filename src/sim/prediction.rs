@@ -21,8 +21,20 @@ pub(super) fn predict(
     pin(skeleton, instance, predicted);
 }
 
-/// qⁿ with pinned bones where they end, and what hangs on them moved along: where the minimisation starts if the
-/// prediction has more energy.
+/// The prediction of the bones with the tissue as it is at qⁿ: what is carried along keeps its momentum, and slides on where
+/// it slid, though its tissue's own swing would raise the energy.
+pub(super) fn carry_on(
+    skeleton: &Skeleton,
+    instance: &Instance,
+    target: &InertialTarget<'_>,
+    carried: &mut State,
+) {
+    predict(skeleton, instance, target, carried);
+    carried.handles.clone_from(&instance.state.handles);
+}
+
+/// qⁿ with pinned bones where they end, and what hangs on them moved along: where the minimisation starts if nothing else
+/// has less energy.
 pub(super) fn fall_back(skeleton: &Skeleton, instance: &Instance, fallback: &mut State) {
     fallback.clone_from(&instance.state);
     pin(skeleton, instance, fallback);

@@ -94,12 +94,7 @@ impl Swing {
     }
 
     /// Tails and velocities as qⁿ and qⁿ⁻¹ have them.
-    fn start(
-        &mut self,
-        springs: &SpringBones,
-        carried: &[CarriedBone],
-        instance: &Instance,
-    ) {
+    fn start(&mut self, springs: &SpringBones, carried: &[CarriedBone], instance: &Instance) {
         let history = &instance.history;
         let (now, before) = (&instance.state.frames, &history.previous().frames);
         self.tails.clear();
@@ -311,8 +306,8 @@ fn shortest_turn(a: DVec3, b: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::rotation_log;
     use crate::math::Random;
+    use crate::math::rotation_log;
 
     #[test]
     fn the_shortest_turn_takes_one_to_the_other() {

@@ -7,7 +7,7 @@ use super::iteration::Observer;
 use super::members::Members;
 use super::minimisation::Minimisation;
 use super::newton::Newton;
-use super::prediction::{fall_back, predict};
+use super::prediction::{carry_on, fall_back, predict};
 use super::report::{InstanceReport, Load, Timings};
 use super::settings::Settings;
 use super::solvers::{Solvers, Systems};
@@ -100,12 +100,13 @@ impl Stepper {
         let parts = (
             &mut minimisations[..],
             &mut newton.iterates.states[range.clone()],
-            &mut newton.fallbacks.states[range.clone()],
+            &mut newton.others.states[range.clone()],
+            &mut newton.fallbacks[range.clone()],
         );
         par_members(
             range.len(),
             parts,
-            |i, (minimisation, iterate, fallback)| {
+            |i, (minimisation, iterate, carried, fallback)| {
                 let instance: &Instance = instances[i].borrow();
                 minimisation.report.reset();
                 if !instance.active {
@@ -119,13 +120,15 @@ impl Stepper {
                 let start = skeleton_start(&physics.settings, instance);
                 minimisation.skeleton.restart(&physics.skeleton, &start);
                 minimisation.current.clone_from(&instance.state);
+                minimisation.may_touch = !instance.colliders.is_empty();
                 let skeleton = physics.skeleton.skeleton();
                 fall_back(skeleton, instance, fallback);
+                carry_on(skeleton, instance, &start.inertia, carried);
                 predict(skeleton, instance, &start.inertia, iterate);
                 minimisation.fixed.fill(false);
                 minimisation.prescribed.fill(false);
                 carried_bones(&physics.skeleton, instance, &mut minimisation.carried);
-                for start in [iterate, fallback] {
+                for start in [iterate, carried, fallback] {
                     carry(&minimisation.carried, start);
                 }
                 for pin in &instance.pins {
@@ -152,9 +155,14 @@ impl Stepper {
 
     /// Gives a link's frame the place of its body, in prediction and fall-back.
     pub fn follow_body(&mut self, link: &Link) {
-        for iterates in [&mut self.newton.iterates, &mut self.newton.fallbacks] {
-            let body = iterates.states[link.body].frames[0];
-            iterates.states[link.member].frames[link.frame] = body;
+        let newton = &mut self.newton;
+        for states in [
+            &mut newton.iterates.states,
+            &mut newton.others.states,
+            &mut newton.fallbacks,
+        ] {
+            let body = states[link.body].frames[0];
+            states[link.member].frames[link.frame] = body;
         }
     }
 

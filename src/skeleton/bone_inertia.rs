@@ -25,12 +25,7 @@ pub struct BoneInertia {
 
 impl BoneInertia {
     /// The term of `bone` in a step from `current`.
-    pub fn new(
-        bone: usize,
-        mass: &BoneMass,
-        target: &InertialTarget<'_>,
-        current: &Frame,
-    ) -> Self {
+    pub fn new(bone: usize, mass: &BoneMass, target: &InertialTarget<'_>, current: &Frame) -> Self {
         let (second, (total, first)) = (mass.second(), mass.moments());
         Self {
             bone,

@@ -147,9 +147,9 @@ impl SkeletonPotential {
             .filter_map(|(child, parent)| Some((child, (*parent)? as usize)));
         self.inertia.clear();
         let masses = model.masses.iter().enumerate().filter(|(j, _)| moves(*j));
-        self.inertia.extend(masses.map(|(j, mass)| {
-            BoneInertia::new(j, mass, &start.inertia, &start.current[j])
-        }));
+        self.inertia.extend(
+            masses.map(|(j, mass)| BoneInertia::new(j, mass, &start.inertia, &start.current[j])),
+        );
         self.joints.clear();
         let joint = |(child, parent): (usize, usize)| JointSpring {
             child,

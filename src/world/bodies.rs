@@ -50,7 +50,10 @@ impl World {
     /// A key of none.
     pub fn body_motion(&self, body: BodyId) -> Result<(Frame, Frame)> {
         let instance = &self.body(body)?.instance;
-        Ok((instance.history.previous().frames[0], instance.state.frames[0]))
+        Ok((
+            instance.history.previous().frames[0],
+            instance.state.frames[0],
+        ))
     }
 
     /// What the last step said of a body. Its contact force is what colliders and avatars exert on it; that of avatars on

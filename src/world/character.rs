@@ -3,8 +3,8 @@
 use crate::model::{Avatar, Frame, Integrator, State};
 use crate::potential::TissueFactors;
 use crate::potential::cpu::skin_displacement;
-use crate::skeleton::Tracking;
 use crate::sim::{Instance, InstanceReport, Settings, SpringMode};
+use crate::skeleton::Tracking;
 use crate::{Error, Result};
 use glam::{DVec3, Mat4};
 use serde::{Deserialize, Serialize};

@@ -14,8 +14,8 @@ use crate::model::State;
 #[cfg(feature = "gpu")]
 use crate::potential::GpuRecorder;
 use crate::potential::{
-    CpuPotential, Evaluation, EvaluationTimings, HessianForm, Potential, PreviousSkin, StepEnd,
-    StepStart, Trial,
+    CpuPotential, Difference, Evaluation, EvaluationTimings, HessianForm, Potential, PreviousSkin,
+    StepEnd, StepStart, Trial,
 };
 use crate::sim::Members;
 use std::ops::Range;
@@ -216,7 +216,11 @@ impl Members for Evaluators {
         Ok(())
     }
 
-    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+    async fn energy_differences(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [Difference],
+    ) -> Result<()> {
         self.compare(trials, out).await
     }
 

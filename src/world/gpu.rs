@@ -135,7 +135,7 @@ mod tests {
     use crate::gpu::{AdapterChoice, GpuDevice, pipeline::made};
     use crate::material::Material;
     use crate::model::{RigidBody, State};
-    use crate::potential::Trial;
+    use crate::potential::{Difference, Trial};
     use crate::random_avatar::random_avatar;
     use crate::sim::Members;
     use crate::world::{Backend, World};
@@ -184,16 +184,16 @@ mod tests {
         assert_eq!(trials.len(), 15);
         let evaluators = &mut world.evaluators;
         let before = evaluators.traffic();
-        let mut together = vec![0.0; trials.len()];
+        let mut together = vec![Difference::default(); trials.len()];
         pollster::block_on(evaluators.energy_differences(&trials, &mut together))?;
         let after = evaluators.traffic();
         assert_eq!([0, 1].map(|k| after[k] - before[k]), [2, 2]);
         for (trial, together) in trials.iter().zip(together) {
-            let mut alone = [0.0];
+            let mut alone = [Difference::default()];
             pollster::block_on(evaluators.energy_differences(&[*trial], &mut alone))?;
             assert_eq!(alone, [together]);
             // A body has no tissue.
-            assert_eq!(together != 0.0, !trial.state.handles.is_empty());
+            assert_eq!(together.energy != 0.0, !trial.state.handles.is_empty());
         }
         Ok(())
     }

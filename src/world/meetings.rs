@@ -53,7 +53,11 @@ impl Meetings {
 fn travel(batch: &Batch, place: usize) -> f64 {
     let instance = &batch.characters[place].instance;
     let apart = |a: &Frame, b: &Frame| a.position.distance(b.position);
-    let frames = instance.state.frames.iter().zip(&instance.history.previous().frames);
+    let frames = instance
+        .state
+        .frames
+        .iter()
+        .zip(&instance.history.previous().frames);
     let last = frames.take(batch.avatar.bones()).map(|(a, b)| apart(a, b));
     let pins = instance.pins.iter();
     let driven = pins.map(|pin| apart(&pin.frame, &instance.state.frames[pin.bone]));

@@ -354,8 +354,9 @@ impl World {
             let batch = batch.filter(|b| place.1 < b.characters.len());
             let batch = batch.ok_or_else(damaged)?;
             let mut character = batch.character(world.gravity, &Frame::IDENTITY);
-            let restored = (character.restore(state, histories.next(), driver, &springs, time_step))
-                .and_then(|()| character.set_pose_offsets(&offsets));
+            let restored =
+                (character.restore(state, histories.next(), driver, &springs, time_step))
+                    .and_then(|()| character.set_pose_offsets(&offsets));
             restored.map_err(|e| e.within("snapshot"))?;
             characters.push((place, character));
         }

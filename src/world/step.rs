@@ -54,9 +54,8 @@ impl World {
 
     /// How a frame is cut into steps.
     fn split(&self, time_step: f64, jump: bool) -> Split {
-        let takes_part = |(character, used): &(&Character, &bool)| {
-            **used && !jump && character.awake
-        };
+        let takes_part =
+            |(character, used): &(&Character, &bool)| **used && !jump && character.awake;
         let characters = (self.batches.iter()).flat_map(|b| b.characters.iter().zip(&b.used));
         let active = characters.filter(takes_part).map(|(c, _)| &c.instance);
         Split::new(&self.settings, time_step, active)

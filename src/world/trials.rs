@@ -3,7 +3,7 @@
 use super::evaluators::Evaluators;
 use crate::Result;
 use crate::math::recycled;
-use crate::potential::{Potential, Trial};
+use crate::potential::{Difference, Potential, Trial};
 use std::ops::Range;
 
 /// An asset's part of an energy difference, in memory that is kept.
@@ -12,7 +12,7 @@ pub(super) struct OwnTrials {
     trials: Vec<Trial<'static>>,
     /// Which of all trials they are.
     places: Vec<usize>,
-    differences: Vec<f64>,
+    differences: Vec<Difference>,
     /// Those of them that the device is asked about.
     #[cfg(feature = "gpu")]
     asked: Range<usize>,
@@ -25,7 +25,8 @@ impl OwnTrials {
         let own = |k: &usize| members.contains(&trials[*k].instance);
         self.places.extend((0..trials.len()).filter(own));
         self.differences.clear();
-        self.differences.resize(self.places.len(), 0.0);
+        self.differences
+            .resize(self.places.len(), Difference::default());
     }
 
     /// Its own from the `first` on, in memory to be given back.
@@ -46,7 +47,11 @@ impl OwnTrials {
 
 impl Evaluators {
     /// E(state) − E(base) of each trial; those on the GPU in as many submissions as there is room for.
-    pub(super) async fn compare(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+    pub(super) async fn compare(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [Difference],
+    ) -> Result<()> {
         for asset in &mut self.list {
             asset.trials.find(&asset.members, trials);
         }

@@ -4,20 +4,28 @@ use super::asset::Asset;
 use super::displacement::{displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
 use super::evaluate::Instance;
+use super::friction::unforeseen;
 use super::{Basis, Motion, energy};
 use crate::math::par_each;
 use crate::model::State;
 use crate::potential::Energies;
 use crate::potential::cpu::begin_step::{POINT_GRAIN, Step};
 
+/// Forces of contacts in a trial, N; see [`crate::potential::Difference`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Foresight {
+    pub unforeseen: f64,
+    pub pressing: f64,
+}
+
 impl Instance {
-    /// Each term's difference, J.
+    /// Each term's difference, J, and what a quadratic model at the base does not foresee.
     pub fn difference<B: Basis>(
         &mut self,
         asset: &Asset<B>,
         base: &State,
         state: &State,
-    ) -> Energies {
+    ) -> (Energies, Foresight) {
         let step = &self.step;
         let (to_base, to_state) = (&mut self.base_motion, &mut self.motion);
         to_base.set(&step.current, base, step.origin);
@@ -33,10 +41,15 @@ impl Instance {
         let (before, after) = (&self.base_touching, &self.touching);
         let pairs = before.candidates.iter().zip(&after.candidates);
         let colliders = step.colliders.len().max(1);
+        let mut foresight = Foresight::default();
         for (k, (before, after)) in pairs.enumerate() {
             let stiffness = step.colliders[k % colliders].stiffness;
             let area = asset.avatar.skin.measure[k / colliders];
             energies.contact += energy::contact(stiffness * area, before.depth, after.depth);
+            foresight.pressing += stiffness * area * after.depth;
+            if (before.depth > 0.0) != (after.depth > 0.0) {
+                foresight.unforeseen += stiffness * area * before.depth.max(after.depth);
+            }
         }
         for (k, lagged) in step.lagged.iter().enumerate() {
             let to = step.slip_change(asset, k, &step.current.handles, to_base);
@@ -49,8 +62,9 @@ impl Instance {
                 before.length(),
                 after.length(),
             );
+            foresight.unforeseen += lagged.limit * unforeseen(&before, &after, step.smoothing);
         }
-        energies
+        (energies, foresight)
     }
 }
 
@@ -65,7 +79,11 @@ fn point_difference<B: Basis>(
     let joints = &avatar.skeleton.joints;
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
     let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
-    let (mass, h, gravity) = (avatar.density * weight, step.inertial_step, step.tissue_gravity);
+    let (mass, h, gravity) = (
+        avatar.density * weight,
+        step.inertial_step,
+        step.tissue_gravity,
+    );
 
     let t_base = unposed_displacement(basis, &to_base.handle_changes);
     let d_base = displacement(skinning, joints, &to_base.motions, start.unposed, t_base);

@@ -55,7 +55,11 @@ fn evaluate_point<B: Basis>(
     let (tissue, joints) = (step.tissue_at(asset, i), &avatar.skeleton.joints);
     let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
     let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
-    let (mass, h, gravity) = (avatar.density * weight, step.inertial_step, step.tissue_gravity);
+    let (mass, h, gravity) = (
+        avatar.density * weight,
+        step.inertial_step,
+        step.tissue_gravity,
+    );
     let changes = &motion.handle_changes;
 
     let change = unposed_displacement(basis, changes);

@@ -4,8 +4,8 @@ use super::{Basis, CpuPotential};
 use crate::Result;
 use crate::model::{BasisEntry, Space, State};
 use crate::potential::{
-    BlockPattern, Evaluation, EvaluationTimings, HessianForm, Potential, PreviousSkin, StepEnd,
-    StepStart, Trial,
+    BlockPattern, Difference, Evaluation, EvaluationTimings, HessianForm, Potential, PreviousSkin,
+    StepEnd, StepStart, Trial,
 };
 use glam::DVec3;
 
@@ -73,7 +73,11 @@ impl<B: Basis> Potential for Exact<B> {
         self.0.end_step(states, wanted, out).await
     }
 
-    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+    async fn energy_differences(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [Difference],
+    ) -> Result<()> {
         self.0.energy_differences(trials, out).await
     }
 

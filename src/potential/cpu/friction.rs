@@ -76,6 +76,18 @@ pub fn smoothed_slopes(y: f64, smoothing: f64) -> (f64, f64) {
     )
 }
 
+/// |f(u) − f(u_b) − H(u_b) (u − u_b)| of a unit limit, from the slip u_b = `base` to u = `slip`, with
+/// f = f₀′(|u_T|) u_T/|u_T|: by how much friction is other than its rows at the base say.
+pub fn unforeseen(base: &Slip, slip: &Slip, smoothing: f64) -> f64 {
+    let (from, to) = (base.tangential(), slip.tangential());
+    let (over_length, curvature) = smoothed_slopes(from.length(), smoothing);
+    let along = from.try_normalize().unwrap_or(DVec3::ZERO);
+    let change = to - from;
+    let modelled = change * over_length + along * (along.dot(change) * (curvature - over_length));
+    let force = |u: DVec3| u * smoothed_slopes(u.length(), smoothing).0;
+    (force(to) - force(from) - modelled).length()
+}
+
 /// Friction as two rows: along the slip with f = μ λ f₀′ and k = μ λ f₀″, and across it with k = μ λ f₀′/y.
 pub fn rows(lagged: &Lagged, slip: &Slip, smoothing: f64) -> [ContactRow; 2] {
     let tangential = slip.tangential();

@@ -53,7 +53,8 @@ use crate::math::{Rows, Stopwatch, in_pool, par_each, par_split};
 use crate::model::{Avatar, BasisEntry, Space, State};
 use crate::potential::checks::Checks;
 use crate::potential::{
-    BlockPattern, Evaluation, EvaluationTimings, Potential, PreviousSkin, StepEnd, StepStart, Trial,
+    BlockPattern, Difference, Evaluation, EvaluationTimings, Potential, PreviousSkin, StepEnd,
+    StepStart, Trial,
 };
 use asset::Asset;
 use evaluate::Instance;
@@ -221,7 +222,11 @@ impl<B: Basis> Potential for CpuPotential<B> {
         Ok(())
     }
 
-    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+    async fn energy_differences(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [Difference],
+    ) -> Result<()> {
         self.checks
             .trials(trials, out.len(), |i| self.has_begun(i))?;
         let (asset, instances) = (&self.asset, &mut self.instances);
@@ -229,7 +234,12 @@ impl<B: Basis> Potential for CpuPotential<B> {
             for (trial, out) in trials.iter().zip(&mut *out) {
                 let watch = Stopwatch::start();
                 let instance = &mut instances[trial.instance];
-                *out = instance.difference(asset, trial.base, trial.state).total();
+                let (energies, foresight) = instance.difference(asset, trial.base, trial.state);
+                *out = Difference {
+                    energy: energies.total(),
+                    unforeseen_force: foresight.unforeseen,
+                    pressing_force: foresight.pressing,
+                };
                 instance.timings.force += watch.ms();
             }
         });

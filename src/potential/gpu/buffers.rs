@@ -5,9 +5,8 @@ use super::grids::Grids;
 use super::options::GpuOptions;
 use super::shared::{
     BatchState, Collider, Constants, Contact, Frame, Handle, HandleGradient, HessianSegment,
-    Influence, Lagged, LocalTissue, Mat3, Motion, PartialEnergy, PastFrame,
-    PastHandle, Point, SkinVertex, Summary,
-    Tangent,
+    Influence, Lagged, LocalTissue, Mat3, Motion, PartialEnergy, PastFrame, PastHandle, Point,
+    SkinVertex, Summary, Tangent,
 };
 use super::sizes::{Sizes, buffer_limit};
 use super::tables::{PointTable, Tables};

@@ -7,7 +7,7 @@ use super::shared::{BatchState, Summary};
 use super::stage::Stage;
 use crate::Result;
 use crate::gpu::Submission;
-use crate::potential::Trial;
+use crate::potential::{Difference, Trial};
 
 impl Recorder {
     /// E(state) − E(base) of the first of `trials`: as many as there is room for. Returns how many, at least one where
@@ -92,16 +92,24 @@ impl Recorder {
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] where `bytes` or `out` are others.
-    pub fn finish_energy_differences(&mut self, bytes: &[u8], out: &mut [f64]) -> Result<()> {
+    pub fn finish_energy_differences(
+        &mut self,
+        bytes: &[u8],
+        out: &mut [Difference],
+    ) -> Result<()> {
         let summaries = self.own(bytes)?.chunks_exact(size_of::<Summary>());
         if summaries.len() != out.len() {
             let problem = format!("{} given for {} trials", out.len(), summaries.len());
             return Err(crate::Error::invalid("out", problem));
         }
         for ((out, bytes), beyond) in out.iter_mut().zip(summaries).zip(&self.beyond) {
-            let energies = energies(&bytemuck::pod_read_unaligned(bytes));
-            let sound = energies.ok().filter(|_| !beyond);
-            *out = sound.map_or(f64::NAN, |e| e.total());
+            let summary: Summary = bytemuck::pod_read_unaligned(bytes);
+            let sound = energies(&summary).ok().filter(|_| !beyond);
+            *out = Difference {
+                energy: sound.map_or(f64::NAN, |e| e.total()),
+                unforeseen_force: summary.energy.unforeseen.into(),
+                pressing_force: summary.energy.pressing.into(),
+            };
         }
         Ok(())
     }

@@ -8,7 +8,8 @@ use crate::gpu::{AdapterDescription, Bytes, Listener, Patience, Submission};
 use crate::math::Stopwatch;
 use crate::model::{Avatar, Space, State};
 use crate::potential::{
-    BlockPattern, Evaluation, EvaluationTimings, Potential, PreviousSkin, StepEnd, StepStart, Trial,
+    BlockPattern, Difference, Evaluation, EvaluationTimings, Potential, PreviousSkin, StepEnd,
+    StepStart, Trial,
 };
 use crate::{Error, GpuError, Result};
 use glam::{DVec3, Vec3};
@@ -278,7 +279,11 @@ impl Potential for GpuPotential {
         self.recorder.finish_end_step(&bytes, out)
     }
 
-    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+    async fn energy_differences(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [Difference],
+    ) -> Result<()> {
         let begun = |i: usize| self.recorder.starts[i].is_some();
         self.recorder.checks.trials(trials, out.len(), begun)?;
         let mut done = 0;

@@ -4,9 +4,7 @@ use super::buffers::Buffers;
 use super::dispatch::Batch;
 use super::kernels::GpuKernels;
 use super::options::GpuOptions;
-use super::shared::{
-    BatchState, Collider, Frame, Handle, PastFrame, PastHandle, SkinVertex,
-};
+use super::shared::{BatchState, Collider, Frame, Handle, PastFrame, PastHandle, SkinVertex};
 use super::sizes::Sizes;
 use super::stages::Stages;
 use super::tables::Tables;

@@ -313,8 +313,10 @@ host_shareable! {
         pub friction: f32,
         /// Contacts for which there was no room.
         pub left_out: f32,
-        /// Padding.
-        pub _pad: [u32; 2],
+        /// Of contacts, what a quadratic model at the base does not foresee.
+        pub unforeseen: f32,
+        /// Σ k a δ.
+        pub pressing: f32,
     }
 
     /// What is read back of every state (kernels/energy.wgsl).

@@ -174,7 +174,10 @@ fn bodies_rest_on_the_floor_with_their_weight() -> Result<()> {
             impulse += (force - weight) * settings.time_step;
         }
         let instance = &simulation.instances()[0];
-        let (before, after) = (instance.history.previous().frames[1], instance.state.frames[1]);
+        let (before, after) = (
+            instance.history.previous().frames[1],
+            instance.state.frames[1],
+        );
         let velocity = (after.position - before.position) / settings.time_step;
         let sunk = place.position.z - 1e-4 - after.position.z;
         let all = weight.length() * settings.time_step * f64::from(steps);

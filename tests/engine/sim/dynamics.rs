@@ -265,7 +265,10 @@ fn bones_follow_moving_pins_and_targets() -> Result<()> {
         let (before, after) = (&instance.history.previous().frames, &instance.state.frames);
         for (before, after) in before.iter().zip(after) {
             let slip = (after.position - before.position) / 0.01 - velocity;
-            assert!(slip.length() < bound, "pinned {pinned}, {integrator:?}: {slip} m/s");
+            assert!(
+                slip.length() < bound,
+                "pinned {pinned}, {integrator:?}: {slip} m/s"
+            );
         }
     }
     Ok(())

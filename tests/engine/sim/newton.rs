@@ -2,9 +2,9 @@
 
 use supple::glam::{DMat3, DVec3};
 use supple::internal::random_avatar;
-use supple::model::{Integrator, Avatar, Space, State};
+use supple::model::{Avatar, Integrator, Space, State};
 use supple::potential::{
-    BlockPattern, Evaluation, Potential, PreviousSkin, StepEnd, StepStart, Trial,
+    BlockPattern, Difference, Evaluation, Potential, PreviousSkin, StepEnd, StepStart, Trial,
 };
 use supple::sim::{Iteration, Pin, Settings, Simulation, SolverMode, StepReport, Stop};
 use supple::{Error, Result};
@@ -93,9 +93,16 @@ impl Potential for Toy {
         }
         Ok(())
     }
-    async fn energy_differences(&mut self, trials: &[Trial<'_>], out: &mut [f64]) -> Result<()> {
+    async fn energy_differences(
+        &mut self,
+        trials: &[Trial<'_>],
+        out: &mut [Difference],
+    ) -> Result<()> {
         for (out, trial) in out.iter_mut().zip(trials) {
-            *out = self.energy(trial.state) - self.energy(trial.base);
+            *out = Difference {
+                energy: self.energy(trial.state) - self.energy(trial.base),
+                ..Difference::default()
+            };
         }
         Ok(())
     }

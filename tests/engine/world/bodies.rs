@@ -4,7 +4,7 @@ use super::{CONVERGED, converged, limb};
 use supple::collider::Shape;
 use supple::glam::DVec3;
 use supple::internal::cpu::mechanics;
-use supple::model::{Integrator, Frame, RigidBody};
+use supple::model::{Frame, Integrator, RigidBody};
 use supple::sim::Settings;
 use supple::world::{BodyId, Character, InstanceId};
 use supple::{Result, World};

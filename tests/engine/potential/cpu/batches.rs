@@ -6,7 +6,7 @@ use std::sync::Arc;
 use supple::glam::DVec3;
 use supple::internal::random_state;
 use supple::model::{Avatar, State};
-use supple::potential::{CpuPotential, Evaluation, Potential, Trial};
+use supple::potential::{CpuPotential, Difference, Evaluation, Potential, Trial};
 
 /// Two steps' start states and one to evaluate, for each of three instances.
 pub fn triples(avatar: &Avatar) -> Vec<[State; 3]> {
@@ -37,7 +37,7 @@ fn run(avatar: &Arc<Avatar>, triples: &[[State; 3]]) -> Vec<(Evaluation, f64, Ve
         .collect();
     let active = vec![true; triples.len()];
     let mut out = vec![Evaluation::default(); triples.len()];
-    let mut differences = vec![0.0; triples.len()];
+    let mut differences = vec![Difference::default(); triples.len()];
     block_on(async {
         potential.begin_step(&starts, &active).await.unwrap();
         potential
@@ -58,7 +58,7 @@ fn run(avatar: &Arc<Avatar>, triples: &[[State; 3]]) -> Vec<(Evaluation, f64, Ve
     };
     let results = out.into_iter().zip(differences).enumerate();
     results
-        .map(|(k, (evaluation, difference))| (evaluation, difference, skin(k)))
+        .map(|(k, (evaluation, difference))| (evaluation, difference.energy, skin(k)))
         .collect()
 }
 

@@ -9,7 +9,7 @@ mod terms;
 
 use pollster::block_on;
 use supple::model::State;
-use supple::potential::{CpuPotential, Evaluation, Potential, Trial};
+use supple::potential::{CpuPotential, Difference, Evaluation, Potential, Trial};
 
 fn evaluate<B: supple::internal::cpu::Basis>(
     potential: &mut CpuPotential<B>,
@@ -27,9 +27,9 @@ fn difference(potential: &mut CpuPotential, base: &State, state: &State) -> f64 
         base,
         state,
     };
-    let mut out = [0.0];
+    let mut out = [Difference::default()];
     block_on(potential.energy_differences(&[trial], &mut out)).unwrap();
-    out[0]
+    out[0].energy
 }
 
 fn unit(dofs: usize, k: usize) -> Vec<f64> {

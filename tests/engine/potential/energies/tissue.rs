@@ -11,7 +11,9 @@ use supple::internal::math::Random;
 use supple::internal::{random_avatar, random_state};
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, InertialTarget, State};
-use supple::potential::{CpuPotential, Evaluation, Potential, StepStart, TissueFactors, Trial};
+use supple::potential::{
+    CpuPotential, Difference, Evaluation, Potential, StepStart, TissueFactors, Trial,
+};
 
 /// What of a property is left where a term must not be felt.
 const NONE: f64 = 1e-15;
@@ -190,7 +192,8 @@ impl Tissue {
         }
         let [earlier, current, state] = states(&avatar);
         let near = |seed| {
-            let mut state = earlier.moved(&vec![1e-3 * f64::from(seed); earlier.space().dofs()], 1.0);
+            let mut state =
+                earlier.moved(&vec![1e-3 * f64::from(seed); earlier.space().dofs()], 1.0);
             state.handles.reverse();
             state
         };
@@ -243,9 +246,9 @@ impl Energy for Tissue {
             base,
             state,
         };
-        let mut out = [0.0];
+        let mut out = [Difference::default()];
         block_on(self.potential.energy_differences(&[trial], &mut out)).unwrap();
-        out[0]
+        out[0].energy
     }
 
     fn gradient(&mut self, at: Moved) -> Vec<f64> {

@@ -8,7 +8,8 @@ use supple::internal::math::Random;
 use supple::internal::{pose_offsets, random_state};
 use supple::model::{Avatar, Frame, InertialTarget, State};
 use supple::potential::{
-    Evaluation, GpuOptions, GpuPotential, Potential, StepEnd, StepStart, TissueFactors, Trial,
+    Difference, Evaluation, GpuOptions, GpuPotential, Potential, StepEnd, StepStart, TissueFactors,
+    Trial,
 };
 
 pub fn device() -> GpuDevice {
@@ -100,7 +101,7 @@ pub fn start(case: &Case) -> StepStart<'_> {
 #[derive(Debug, Default, PartialEq)]
 pub struct Outcome {
     pub evaluations: Vec<Evaluation>,
-    pub differences: Vec<f64>,
+    pub differences: Vec<Difference>,
     pub skins: Vec<(Vec<DVec3>, Vec<DVec3>)>,
     pub ends: Vec<StepEnd>,
 }
@@ -151,7 +152,7 @@ pub fn run(potential: &mut impl Potential, cases: &[&Case]) -> Outcome {
                 })
             })
             .collect();
-        out.differences = vec![0.0; trials.len()];
+        out.differences = vec![Difference::default(); trials.len()];
         potential
             .energy_differences(&trials, &mut out.differences)
             .await

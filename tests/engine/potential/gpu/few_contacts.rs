@@ -3,7 +3,7 @@
 use super::case::{case, device, potential, start};
 use std::sync::Arc;
 use supple::internal::random_avatar;
-use supple::potential::{Evaluation, GpuOptions, Potential, Trial};
+use supple::potential::{Difference, Evaluation, GpuOptions, Potential, Trial};
 
 #[test]
 fn the_deepest_are_kept_through_a_step_and_the_rest_is_counted() {
@@ -31,11 +31,11 @@ fn the_deepest_are_kept_through_a_step_and_the_rest_is_counted() {
                 base: &case.states[0],
                 state: &case.states[1],
             };
-            let mut difference = [0.0];
+            let mut difference = [Difference::default()];
             on_device
                 .energy_differences(&[trial], &mut difference)
                 .await?;
-            Ok::<_, supple::Error>((of_states, difference[0]))
+            Ok::<_, supple::Error>((of_states, difference[0].energy))
         })
         .unwrap()
     };

@@ -4,7 +4,7 @@ use super::case::{Case, Outcome, case, device, potential, run, start};
 use std::sync::Arc;
 use supple::internal::random_avatar;
 use supple::model::State;
-use supple::potential::{Evaluation, GpuOptions, GpuPotential, Potential, Trial};
+use supple::potential::{Difference, Evaluation, GpuOptions, GpuPotential, Potential, Trial};
 use supple::{Error, GpuError};
 
 #[test]
@@ -72,7 +72,7 @@ fn numbers_that_overflow_are_told() {
     let mut on_device = potential(&gpu, &avatar, 1, GpuOptions::default());
     pollster::block_on(async {
         on_device.begin_step(&[start(&case)], &[true]).await?;
-        let mut want = [0.0];
+        let mut want = [Difference::default()];
         let good = Trial {
             instance: 0,
             base: &case.states[0],
@@ -96,11 +96,11 @@ fn numbers_that_overflow_are_told() {
                 Trial { base: &far, ..good },
                 good,
             ];
-            let mut out = [0.0; 4];
+            let mut out = [Difference::default(); 4];
             on_device.energy_differences(&trials, &mut out).await?;
             assert_eq!([out[0], out[3]], [want[0]; 2], "{reach:e}");
             assert!(
-                !out[1].is_finite() && !out[2].is_finite(),
+                !out[1].energy.is_finite() && !out[2].energy.is_finite(),
                 "{reach:e}: {out:?}"
             );
 

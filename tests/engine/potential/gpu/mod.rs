@@ -200,9 +200,14 @@ fn agrees(gpu: &GpuDevice, avatar: &Arc<Avatar>, case: &Case) {
         assert!((*got - *want).length() < 1e-4, "normals: {got} and {want}");
     }
     for (got, want) in got.differences.iter().zip(&want.differences) {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * b.abs();
         assert!(
-            (got - want).abs() <= 1e-3 * want.abs(),
-            "trials: {got} and {want}"
+            near(got.energy, want.energy),
+            "trials: {got:?} and {want:?}"
         );
+        // What opened or closed within rounding is of no force.
+        let foreseen = near(got.pressing_force, want.pressing_force)
+            && (got.unforeseen_force - want.unforeseen_force).abs() <= 1e-3 * want.pressing_force;
+        assert!(foreseen, "trials: {got:?} and {want:?}");
     }
 }

@@ -8,7 +8,8 @@ use supple::internal::random_avatar;
 use supple::material::Material;
 use supple::model::{Avatar, State};
 use supple::potential::{
-    Evaluation, GpuKernels, GpuOptions, GpuPotential, Potential, StepEnd, StepStart, Trial,
+    Difference, Evaluation, GpuKernels, GpuOptions, GpuPotential, Potential, StepEnd, StepStart,
+    Trial,
 };
 use supple::{Error, Result, wgpu};
 
@@ -149,7 +150,7 @@ fn run_together(
         }
         let bytes = pollster::block_on(submission.read()).unwrap();
         for ((potential, cases), out) in potentials.iter_mut().zip(cases).zip(&mut out) {
-            let mut differences = vec![0.0; cases.len()];
+            let mut differences = vec![Difference::default(); cases.len()];
             let recorder = potential.recorder();
             recorder
                 .finish_energy_differences(&bytes, &mut differences)
@@ -241,7 +242,7 @@ fn what_a_step_recorded_is_sent_whatever_comes_next() {
         let mut want = vec![Evaluation::default(); 2];
         plain.begin_step(&starts, &[true; 2]).await?;
         plain.evaluate(&states, &[true; 2], &mut want).await?;
-        let mut difference = [0.0];
+        let mut difference = [Difference::default()];
         plain.energy_differences(&[trial], &mut difference).await?;
         plain.pose_skin(&states, &[], &[]).await?;
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
@@ -256,7 +257,7 @@ fn what_a_step_recorded_is_sent_whatever_comes_next() {
         assert_eq!(got, want);
         // A trial first.
         let mut tried = new();
-        let mut first = [0.0];
+        let mut first = [Difference::default()];
         tried.begin_step(&starts, &[true; 2]).await?;
         tried.energy_differences(&[trial], &mut first).await?;
         assert_eq!(first, difference);

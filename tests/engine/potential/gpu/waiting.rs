@@ -9,7 +9,9 @@ use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 use supple::gpu::Waiting;
 use supple::internal::random_avatar;
-use supple::potential::{CpuPotential, Evaluation, GpuOptions, Potential, StepEnd, Trial};
+use supple::potential::{
+    CpuPotential, Difference, Evaluation, GpuOptions, Potential, StepEnd, Trial,
+};
 use supple::{Error, GpuError, wgpu};
 
 #[test]
@@ -67,7 +69,9 @@ fn a_dropped_future_leaves_nothing_mapped() {
             base: &case.states[0],
             state: &case.states[1],
         };
-        pending += usize::from(!ask_once(dropped.energy_differences(&[trial], &mut [0.0])));
+        pending += usize::from(!ask_once(
+            dropped.energy_differences(&[trial], &mut [Difference::default()]),
+        ));
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
         pending += usize::from(!ask_once(dropped.read_skin(
             0,
@@ -165,14 +169,14 @@ fn futures_may_go_to_other_threads() {
     let mut on_gpu = potential(&gpu, &avatar, 1, GpuOptions::default());
     is_send(on_gpu.begin_step(&starts, &[true]));
     is_send(on_gpu.evaluate(&states, &[true], &mut out));
-    is_send(on_gpu.energy_differences(&trials, &mut [0.0]));
+    is_send(on_gpu.energy_differences(&trials, &mut [Difference::default()]));
     is_send(on_gpu.end_step(&states, &[true], &mut ends));
     is_send(on_gpu.pose_skin(&states, &[], &[]));
     is_send(on_gpu.read_skin(0, &mut positions, &mut normals));
     let mut on_cpu = CpuPotential::new(avatar.clone(), 1).unwrap();
     is_send(on_cpu.begin_step(&starts, &[true]));
     is_send(on_cpu.evaluate(&states, &[true], &mut out));
-    is_send(on_cpu.energy_differences(&trials, &mut [0.0]));
+    is_send(on_cpu.energy_differences(&trials, &mut [Difference::default()]));
     is_send(on_cpu.end_step(&states, &[true], &mut ends));
     is_send(on_cpu.pose_skin(&states, &[], &[]));
     is_send(on_cpu.read_skin(0, &mut positions, &mut normals));

@@ -1,9 +1,8 @@
 //! A seeded random scene run on the device, and everything its kernels read and wrote.
 
-use super::input::{avatar, colliders, reach, rounded_collider};
 use super::bound::abs;
+use super::input::{avatar, colliders, reach, rounded_collider};
 use super::{INSTANCE, INSTANCES, STATES};
-use supple::internal::cpu::inertial_target::PastMotion;
 use bytemuck::AnyBitPattern;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -12,14 +11,15 @@ use supple::collider::Collider;
 use supple::glam::{DMat3, DVec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::internal::cpu::displacement::FrameMotion;
+use supple::internal::cpu::inertial_target::PastMotion;
 use supple::internal::gpu::{Sources, shared};
 use supple::internal::math::Random;
 use supple::internal::{pose_offsets, random_state};
 use supple::material::MaterialPoint;
 use supple::model::{Avatar, Frame, InertialTarget, PointSet, State};
 use supple::potential::{
-    BlockPattern, Evaluation, GpuKernels, GpuOptions, GpuPotential, Potential, StepStart,
-    TissueFactors, Trial,
+    BlockPattern, Difference, Evaluation, GpuKernels, GpuOptions, GpuPotential, Potential,
+    StepStart, TissueFactors, Trial,
 };
 
 /// h: a power of two, so that its inverse is exact.
@@ -235,7 +235,7 @@ impl Scene {
                 state: &trial[INSTANCE],
             };
             potential
-                .energy_differences(&[compared], &mut [0.0])
+                .energy_differences(&[compared], &mut [Difference::default()])
                 .await?;
             scene.look(&mut potential, Phase::Compared).await?;
             let others = [&scene.offsets[1][..], &scene.offsets[0][..]];
@@ -349,8 +349,16 @@ impl Scene {
             frames: (frames.iter())
                 .map(|f| (mat(f.turn), vec(f.shift)))
                 .collect(),
-            rotations: [rotations(|f| f.first), rotations(|f| f.second), rotations(|f| f.third)],
-            handles: [changes(|h| h.first), changes(|h| h.second), changes(|h| h.third)],
+            rotations: [
+                rotations(|f| f.first),
+                rotations(|f| f.second),
+                rotations(|f| f.third),
+            ],
+            handles: [
+                changes(|h| h.first),
+                changes(|h| h.second),
+                changes(|h| h.third),
+            ],
             terms: 3,
         };
         let mut sizes = past.clone();

@@ -62,6 +62,8 @@ fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
         limit.stiffness = 1.0;
     }
     instance.gravity = DVec3::ZERO;
+    // What swings on is no damage.
+    instance.factors.damping = 10.0;
     for (bone, target) in instance.targets.iter_mut().enumerate() {
         let spring = |stiffness, damping| Some(Spring { stiffness, damping });
         *target = Tracking {

@@ -47,7 +47,8 @@ fn slide(alpha: f64, floor: Collider, solver: SolverMode) -> Result<Vec<f64>> {
     for _ in 0..60 {
         simulation.step_blocking()?;
         let instance = &simulation.instances()[0];
-        let moved = instance.state.frames[0].position - instance.history.previous().frames[0].position;
+        let moved =
+            instance.state.frames[0].position - instance.history.previous().frames[0].position;
         speeds.push(down.dot(moved) / simulation.settings().time_step);
     }
     Ok(speeds)

@@ -10,7 +10,10 @@ use std::sync::Arc;
 use supple::Result;
 use supple::glam::DVec3;
 use supple::internal::math::Rows;
-use supple::model::{Avatar, BoneMass, Integrator, JointList, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer, UpAxis};
+use supple::model::{
+    Avatar, BoneMass, Integrator, JointList, PointSet, PoseBlend, Skeleton, SkinWeight, SoftLayer,
+    UpAxis,
+};
 use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation, SolverMode};
 

@@ -30,7 +30,9 @@ fn a_dropped_box_rests_whatever_the_frames() -> Result<()> {
             let instance = &mut simulation.instances_mut()[0];
             let frame = instance.state.frames[0];
             instance.pins.push(supple::sim::Pin { bone: 0, frame });
-            instance.colliders.push(Collider::new(Shape::HalfSpace, Frame::IDENTITY));
+            instance
+                .colliders
+                .push(Collider::new(Shape::HalfSpace, Frame::IDENTITY));
             let (mut time, mut k, mut highest) = (0.0, 0, 0.0f64);
             let mut heights = Vec::new();
             while time < 0.8 {
@@ -50,8 +52,14 @@ fn a_dropped_box_rests_whatever_the_frames() -> Result<()> {
                     heights.push(z);
                 }
             }
-            println!("{long} and {short} s: up to {:.2} of its energy", highest / (9.81 * start));
-            assert!(highest <= 9.81 * start * 1.0001, "{long}, {short}: {highest}");
+            println!(
+                "{long} and {short} s: up to {:.2} of its energy",
+                highest / (9.81 * start)
+            );
+            assert!(
+                highest <= 9.81 * start * 1.0001,
+                "{long}, {short}: {highest}"
+            );
             let still = heights.iter().all(|z| (z - half).abs() < 1e-4);
             assert!(still, "{long}, {short}: {heights:?}");
         }

@@ -25,7 +25,11 @@ const FINE: f64 = 0.02 / 1280.0;
 /// multiples of [`FINE`], up to where the run starts from its past.
 fn run(avatar: &Avatar, lead: Option<&[State]>, steps: &[f64]) -> Result<Vec<DVec3>> {
     let states = states(avatar, lead, steps)?;
-    Ok(support::posed(avatar, &avatar.skin, &states[states.len() - 1]))
+    Ok(support::posed(
+        avatar,
+        &avatar.skin,
+        &states[states.len() - 1],
+    ))
 }
 
 /// All states of it.
@@ -78,7 +82,13 @@ fn steps(count: usize, random: bool) -> Vec<f64> {
     let mut random_of = Random::new(11);
     // The same irregular pattern whatever the count, so that halving all steps halves each.
     let pattern: Vec<f64> = (0..count)
-        .map(|_| if random { random_of.uniform(0.7, 1.3) } else { 1.0 })
+        .map(|_| {
+            if random {
+                random_of.uniform(0.7, 1.3)
+            } else {
+                1.0
+            }
+        })
         .collect();
     let sum: f64 = pattern.iter().sum();
     pattern.into_iter().map(|p| 0.02 * p / sum).collect()
@@ -175,7 +185,10 @@ fn a_thrown_box_spins_on() -> Result<()> {
                 turn.cross(middle.y_axis),
                 turn.cross(middle.z_axis),
             );
-            (momentum(middle, spin), 0.5 * momentum(middle, spin).dot(turn))
+            (
+                momentum(middle, spin),
+                0.5 * momentum(middle, spin).dot(turn),
+            )
         };
         let energy = 0.5 * start.dot(spin);
         let mut highest: f64 = 0.0;
@@ -186,7 +199,9 @@ fn a_thrown_box_spins_on() -> Result<()> {
         let (end, _) = now(&simulation);
         let kept = end.length() / start.length();
         let angle = end.angle_between(start).to_degrees();
-        println!("history {history}: {kept:.4} of the spin, {angle:.2}°, energy up to {highest:.4}");
+        println!(
+            "history {history}: {kept:.4} of the spin, {angle:.2}°, energy up to {highest:.4}"
+        );
         assert!(kept > 0.97 && kept < 1.01, "{kept}");
         assert!(angle < 1.0, "{angle}°");
         assert!(highest < 1.01, "{highest}");

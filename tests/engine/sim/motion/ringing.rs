@@ -76,7 +76,10 @@ fn a_swing_decays_by_its_damping_ratio_at_any_rate() -> Result<()> {
             let (sigma, swing) = fit(&samples, omega);
             let (damping, pitch) = (sigma / omega, swing / omega);
             println!("{kind}: ζ {damping:.3} for {ratio}, f × {pitch:.3}");
-            assert!((damping - ratio).abs() < 0.015, "{kind}: ζ {damping} for {ratio}");
+            assert!(
+                (damping - ratio).abs() < 0.015,
+                "{kind}: ζ {damping} for {ratio}"
+            );
             assert!((pitch - 1.0).abs() < 0.1, "{kind}: f × {pitch}");
         }
     }
@@ -153,9 +156,15 @@ fn a_brake_swings_as_wide_at_any_rate() -> Result<()> {
                 1e3 * first,
                 1e3 * truth
             );
-            let (least, most) = (swings.start().saturating_sub(1), swings.end().saturating_add(1));
+            let (least, most) = (
+                swings.start().saturating_sub(1),
+                swings.end().saturating_add(1),
+            );
             assert!((least..=most).contains(&count), "{bounce}, {rate}: {count}");
-            assert!((first / truth - 1.0).abs() < 0.1, "{bounce}, {rate}: {first} of {truth}");
+            assert!(
+                (first / truth - 1.0).abs() < 0.1,
+                "{bounce}, {rate}: {first} of {truth}"
+            );
         }
     }
     Ok(())
