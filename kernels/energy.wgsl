@@ -103,9 +103,10 @@ fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
     let local = tissue[i];
     out.elastic = point.measure * (state.stiffness * local.stiffness)
         * energy_difference(h, increment, local.axes);
-    if (state.damping_rate > 0.0) {
+    let damping_rate = state.damping_rate * local.damping_time;
+    if (damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
-        out.damping = 0.5 * point.measure * state.damping_rate
+        out.damping = 0.5 * point.measure * damping_rate
             * double_dot(increment, contract(start, increment + 2.0 * base_increment));
     }
     return out;

@@ -31,7 +31,7 @@ struct Chunk {
 struct BatchState {
     gravity: vec3<f32>,   // on the tissue's displacement, m/s²
     mass_rate: f32,       // 1/h̃², 1/s²
-    damping_rate: f32,    // β/h̃
+    damping_rate: f32,    // what β is multiplied by, 1/h̃ with its factor; 0 where nothing damps
     instance: u32,
     slot: u32,
     base: u32,            // slot of the state that the energy is measured from

@@ -109,6 +109,7 @@ fn a_point_turns_the_material_and_scales_it() {
             let point = material.at(LocalTissue {
                 stiffness: 1.7,
                 axes: glam::DQuat::from_mat3(&axes).normalize(),
+                ..LocalTissue::default()
             });
             // Seen from the material's axes the deformation gradient is F G; its own P has to be brought back.
             let expected = 1.7 * material.energy_density(f * axes);
@@ -151,6 +152,7 @@ fn an_isotropic_point_of_its_own_stiffness_is_the_material_bit_for_bit() {
             let point = material.at(LocalTissue {
                 stiffness: 1.0,
                 axes: glam::DQuat::from_mat3(&random.rotation(3.0)).normalize(),
+                ..LocalTissue::default()
             });
             let change = random.matrix(0.1);
             assert_eq!(point.pk1_stress(f), material.pk1_stress(f));

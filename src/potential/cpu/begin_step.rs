@@ -39,7 +39,7 @@ pub(super) struct Step {
     pub tissue_gravity: DVec3,
     /// Factor on the tissue's stiffness.
     pub stiffness: f64,
-    /// β/h̃.
+    /// What β is multiplied by, 1/s: the factor on it over h̃.
     pub damping_rate: f64,
     pub colliders: Vec<Collider>,
     /// How each collider whose motion is given moves in this step.
@@ -103,7 +103,7 @@ impl Step {
         let factors = start.factors;
         self.tissue_gravity = factors.gravity * start.tissue_gravity;
         self.stiffness = factors.stiffness;
-        self.damping_rate = factors.damping * avatar.damping_time / start.inertia.step;
+        self.damping_rate = factors.damping / start.inertia.step;
         self.colliders.clear();
         let relative = start.colliders.iter().map(|c| c.relative_to(self.origin));
         self.colliders.extend(relative);
@@ -215,15 +215,21 @@ impl Step {
         asset.tissue_at(i, self.stiffness)
     }
 
-    /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
-    pub fn damping<B: Basis>(&self, basis: &[B], i: usize, change: DMat3) -> Option<Damping<'_>> {
+    /// The damping of point `i`, of its `tissue`, whose F has moved by `change` since Fⁿ.
+    pub fn damping<B: Basis>(
+        &self,
+        basis: &[B],
+        tissue: MaterialPoint<'_>,
+        i: usize,
+        change: DMat3,
+    ) -> Option<Damping<'_>> {
         let tangent = self.starts.damping_tangents.get(i)?;
         let drift = match &self.handle_drift[..] {
             [] => DMat3::ZERO,
             drift => displacement_gradient(basis, drift),
         };
         Some(Damping {
-            rate: self.damping_rate,
+            rate: self.damping_rate * tissue.local.damping_time,
             tangent,
             change: change - drift,
         })

@@ -49,7 +49,7 @@ host_shareable! {
         pub gravity: [f32; 3],
         /// 1/h̃², 1/s².
         pub mass_rate: f32,
-        /// β/h̃.
+        /// What β is multiplied by, 1/s: the factor on it over h̃.
         pub damping_rate: f32,
         /// Whose state it is.
         pub instance: u32,
@@ -103,8 +103,12 @@ host_shareable! {
         pub axes: Mat3,
         /// Factor on the energy.
         pub stiffness: f32,
+        /// β, s.
+        pub damping_time: f32,
+        /// Share of muscle.
+        pub muscle: f32,
         /// Padding.
-        pub _pad: [u32; 3],
+        pub _pad: u32,
     }
 
     /// The share of a bone, a handle or a skin vertex (kernels/shared/kinematics.wgsl).

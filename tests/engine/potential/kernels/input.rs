@@ -4,7 +4,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::internal::math::{Random, Rows};
 use supple::internal::random_avatar;
-use supple::material::{LocalTissue, Material, Orthotropic, StableNeoHookean};
+use supple::material::{Material, Orthotropic, StableNeoHookean};
 use supple::model::{Avatar, BasisEntry, Frame, SkinWeight};
 
 fn single(x: f64) -> f64 {
@@ -53,10 +53,11 @@ pub const BODY: u32 = 5;
 /// A random avatar whose numbers are exact in f32, some points naming their bones in falling order.
 pub fn avatar(seed: u64) -> Avatar {
     let mut avatar = random_avatar(seed, 5, 9, 90, 150);
-    avatar.damping_time = 1.0 / 64.0;
     avatar.material = material(seed);
-    for LocalTissue { stiffness, .. } in &mut avatar.tissue {
-        *stiffness = single(*stiffness);
+    for local in &mut avatar.tissue {
+        local.stiffness = single(local.stiffness);
+        local.damping_time = single(local.damping_time);
+        local.muscle = single(local.muscle);
     }
     for joint in &mut avatar.skeleton.joints {
         *joint = single_vec(*joint);

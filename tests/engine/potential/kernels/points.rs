@@ -198,7 +198,7 @@ pub fn elasticity(scene: &Scene) -> Outcome {
             let abs_change = displacement_gradient(&abs_basis, &abs_all(&increment))
                 + displacement_gradient(&abs_basis, &abs_all(&drift));
             let start = mat9(&starts[i]);
-            let rate = scene.damping_rate();
+            let rate = scene.damping_rate(i);
             let damping = (slot != INSTANCE).then_some(Damping {
                 rate,
                 tangent: &start,

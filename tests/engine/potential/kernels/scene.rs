@@ -272,9 +272,9 @@ impl Scene {
         tissue
     }
 
-    /// β/h̃, with its factor.
-    pub fn damping_rate(&self) -> f64 {
-        factors().damping * self.avatar.damping_time / INERTIAL_STEP
+    /// β/h̃ of cubature point `i`, with its factor.
+    pub fn damping_rate(&self, i: usize) -> f64 {
+        factors().damping / INERTIAL_STEP * self.tissue_at(i).local.damping_time
     }
 
     /// Items `[index · count, (index + 1) · count)` of a buffer.
