@@ -37,10 +37,10 @@ fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     let local = tissue[i];
-    let stiffness = state.stiffness * local.stiffness;
+    let stiffness = stiffness_of(local, state);
     var p = stiffness * pk1_stress(h, local.axes);
     var c = scaled(projected_tangent(h, local.axes), stiffness);
-    let damping_rate = state.damping_rate * local.damping_time;
+    let damping_rate = damping_rate_of(local, state);
     if (damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
         p += damping_rate * contract(start, increment);

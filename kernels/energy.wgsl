@@ -101,9 +101,9 @@ fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
     out.inertia = 0.5 * mass * state.mass_rate * dot(delta, delta + 2.0 * e);
     out.gravity = -mass * dot(state.gravity, delta);
     let local = tissue[i];
-    out.elastic = point.measure * (state.stiffness * local.stiffness)
+    out.elastic = point.measure * stiffness_of(local, state)
         * energy_difference(h, increment, local.axes);
-    let damping_rate = state.damping_rate * local.damping_time;
+    let damping_rate = damping_rate_of(local, state);
     if (damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
         out.damping = 0.5 * point.measure * damping_rate

@@ -39,6 +39,7 @@ struct BatchState {
     smoothing: f32,       // ε = ε_v h, m
     stiffness: f32,       // factor on the tissue's
     has_offsets: u32,     // whether the host gave offsets of the skin
+    tension: f32,         // (T − 1) τ: times the share of muscle, what tension adds to 1
 }
 
 // A start is qⁿ itself, which has no increments of its own. Those of its frames are zero, its handles' are the drift φ̃ − φⁿ of

@@ -4,10 +4,12 @@
 //! [`Material`] answers in the material's own axes; [`MaterialPoint`] is a material at a point of a body, with the stiffness and
 //! the axes that it has there ([`LocalTissue`]).
 
+mod damping;
 mod local;
 mod orthotropic;
 mod stable_neo_hookean;
 
+pub use damping::{DEFAULT_BOUNCE, damping_ratio, damping_time};
 pub use local::{LocalTissue, MaterialPoint};
 pub use orthotropic::Orthotropic;
 pub use stable_neo_hookean::StableNeoHookean;

@@ -118,6 +118,7 @@ impl Recorder {
             colliders: start.colliders.len() as u32,
             smoothing: (start.slip_speed * start.time_step) as f32,
             stiffness: factors.stiffness as f32,
+            tension: factors.added_by_tension() as f32,
             has_offsets: u32::from(!start.pose_offsets.is_empty()),
             ..BatchState::default()
         }

@@ -65,6 +65,10 @@ host_shareable! {
         pub stiffness: f32,
         /// 1 where the host gave offsets of the skin, else 0.
         pub has_offsets: u32,
+        /// Times the share of muscle, what tension adds to the factor on the stiffness.
+        pub tension: f32,
+        /// Padding.
+        pub _pad: [u32; 3],
     }
 
     /// Which states of a batch a dispatch takes (kernels/shared/batch.wgsl).

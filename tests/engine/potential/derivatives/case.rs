@@ -82,6 +82,7 @@ pub fn factors() -> TissueFactors {
     let mut factors = TissueFactors::default();
     (factors.stiffness, factors.damping) = (1.5, 0.5);
     (factors.gravity, factors.friction) = (2.0, 0.75);
+    factors.tension = 0.25;
     factors
 }
 

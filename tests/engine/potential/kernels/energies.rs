@@ -3,7 +3,7 @@
 use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs};
 use super::contact::distances;
 use super::friction::{slid, smoothing};
-use super::material::Magnitudes;
+use super::material::{DAMPING_RATE, Magnitudes};
 use super::points::mat9;
 use super::scene::{GRAVITY, INERTIAL_STEP, Phase, Scene, vec};
 use super::{INSTANCE, INSTANCES};
@@ -136,7 +136,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         got.friction,
     ];
     let mut out = Comparison::default();
-    let roundings = roundings + 6 + 1 + 6;
+    let roundings = roundings + DAMPING_RATE + 6 + 1 + 6;
     for k in 0..6 {
         out.number(f64::from(terms[k]), want[k], magnitude[k], roundings);
         if want[k] == 0.0 {

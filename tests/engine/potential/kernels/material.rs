@@ -22,6 +22,9 @@ fn by_entries(a: DMat3, b: DMat3) -> DMat3 {
     )
 }
 
+/// β/h under tension: a product and a sum, the root, its quotient, and two products.
+pub const DAMPING_RATE: usize = 2 + ROOT + QUOTIENT + 2;
+
 /// Magnitudes at a point from |H| and, for energies, |D|.
 pub struct Magnitudes<'a> {
     tissue: MaterialPoint<'a>,
@@ -119,12 +122,12 @@ impl<'a> Magnitudes<'a> {
     }
 
     /// P. A polynomial in H of degree 5, H a sum of `handles` products: at most n_h + 3 roundings in each of five factors,
-    /// twenty between them, and two of the stiffness and its factor. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
+    /// twenty between them, and five of the stiffness, its factor and tension. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
     /// out of axes that are rounded themselves: sixty more with the exponential's own, 3 + 2 Q_max.
     pub fn stress(&self, handles: usize) -> (DMat3, usize) {
         let f = DMat3::IDENTITY + self.h;
         let mut out = self.mu * self.shear() + self.kappa * self.volume() * abs_cofactor(f);
-        let mut roundings = 5 * (handles + 3) + 22;
+        let mut roundings = 5 * (handles + 3) + 25;
         if let Some(fibres) = &self.fibres {
             let s = by_entries(fibres.weights(), fibres.strain);
             out += f * (fibres.axes * s * fibres.axes.transpose());
@@ -140,7 +143,7 @@ impl<'a> Magnitudes<'a> {
         let f = DMat3::IDENTITY + self.h;
         let pressure = self.kappa * self.volume() + self.mu;
         let mut out = self.mu + self.kappa * size(abs_cofactor(f)).powi(2) + pressure * size(f);
-        let mut roundings = 4 * (handles + 3) + 22 + 4 * 15 * ROTATION;
+        let mut roundings = 4 * (handles + 3) + 25 + 4 * 15 * ROTATION;
         if let Some(fibres) = &self.fibres {
             let stress = by_entries(fibres.weights(), fibres.strain);
             let t = f * fibres.axes * by_entries(fibres.rates, fibres.strain);
@@ -197,6 +200,6 @@ impl<'a> Magnitudes<'a> {
 
     /// Roundings of an energy: degree ≤ 6, and what the fibres add.
     pub fn energy_roundings(&self, handles: usize) -> usize {
-        5 * (handles + 3) + 27 + if self.fibres.is_some() { 60 } else { 0 }
+        5 * (handles + 3) + 30 + if self.fibres.is_some() { 60 } else { 0 }
     }
 }
