@@ -4,7 +4,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::internal::math::{Random, Rows};
 use supple::internal::random_avatar;
-use supple::material::{Material, Orthotropic, StableNeoHookean};
+use supple::material::{FungNeoHookean, Material, Orthotropic, StableNeoHookean};
 use supple::model::{Avatar, BasisEntry, Frame, SkinWeight};
 
 fn single(x: f64) -> f64 {
@@ -17,7 +17,7 @@ fn single_vec(v: DVec3) -> DVec3 {
 
 /// Seeds whose avatars are of each material: a hundred a material.
 pub fn seeds(count: u64) -> Vec<u64> {
-    (0..2)
+    (0..3)
         .flat_map(|m| (1..=count).map(move |s| 100 * m + s))
         .collect()
 }
@@ -36,13 +36,19 @@ fn material(seed: u64) -> Material {
             youngs_modulus,
             poissons_ratio,
         }),
-        _ => Material::Orthotropic(Orthotropic {
+        1 => Material::Orthotropic(Orthotropic {
             youngs_modulus,
             poissons_ratio,
             fibre_moduli: [5e3, 2e4, 1e4],
             saturation: 1e4,
             saturation_rates: [0.25, 0.5, 1.0],
             saturation_limit: 1.5,
+        }),
+        _ => Material::FungNeoHookean(FungNeoHookean {
+            youngs_modulus,
+            poissons_ratio,
+            stiffening: 0.5,
+            stiffening_limit: 2.0,
         }),
     }
 }
