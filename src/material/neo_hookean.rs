@@ -74,11 +74,6 @@ pub(super) fn strain(h: DMat3) -> f64 {
     shear(h) + volume * volume
 }
 
-/// A = ½ ∂Q/∂F of F = I + H.
-fn strain_gradient(h: DMat3) -> DMat3 {
-    shear_stress(h) + cofactor(DMat3::IDENTITY + h) * volume_change(h)
-}
-
 fn trace(m: DMat3) -> f64 {
     m.x_axis.x + m.y_axis.y + m.z_axis.z
 }
@@ -152,17 +147,27 @@ impl NeoHookean {
         (self.lambda + self.mu) * volume_change(f - DMat3::IDENTITY) - self.mu
     }
 
-    /// C + a A ⊗ A, Pa, a being the `growth`.
+    /// C + a A ⊗ A, Pa, a being the `growth`, 0 or more.
     pub fn tangent(self, f: DMat3, growth: f64) -> Mat9 {
         let kappa = self.lambda + self.mu;
         let pressure = self.pressure(f);
-        let cof = flatten(cofactor(f));
+        let areas = cofactor(f);
+        let cof = flatten(areas);
         let mut c = [[0.0; 9]; 9];
         for i in 0..9 {
             for j in 0..9 {
                 c[i][j] = kappa * cof[i] * cof[j];
             }
             c[i][i] += self.mu;
+        }
+        if growth != 0.0 {
+            let h = f - DMat3::IDENTITY;
+            let a = flatten((shear_stress(h) + areas * volume_change(h)) * growth.sqrt());
+            for i in 0..9 {
+                for j in 0..9 {
+                    c[i][j] += a[i] * a[j];
+                }
+            }
         }
         // Column k of cof F is f_i × f_j, (i, j, k) cyclic: its derivative by f_j is [f_i]×, by f_i −[f_j]×.
         for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
@@ -173,9 +178,6 @@ impl NeoHookean {
                     c[3 * k + row][3 * i + column] -= pressure * by_i.col(column)[row];
                 }
             }
-        }
-        if growth != 0.0 {
-            remove(&mut c, -growth, strain_gradient(f - DMat3::IDENTITY));
         }
         c
     }
