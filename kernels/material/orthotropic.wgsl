@@ -64,7 +64,7 @@ fn saturation_difference(q: f32, change: f32) -> f32 {
     } else if (last >= limit) {
         inner = limit - q;
     }
-    return exp(min(q, limit)) * exponential_less_one(inner) + exp(limit) * (change - inner);
+    return exp(min(q, limit)) * (inner * mean_exponential(inner)) + exp(limit) * (change - inner);
 }
 
 // With ΔE = sym(Fᵀ D) + ½ Dᵀ D, a form E : (M ∘ E) changes by ΔE : (M ∘ (2 E + ΔE)).

@@ -25,7 +25,11 @@ pub fn seeds(count: u64) -> Vec<u64> {
 /// How far out handles are: the farther, the more of the points are inverted and past the clamp, and the less a bound
 /// says of those that are not.
 pub fn reach(seed: u64) -> f64 {
-    if seed == 102 { 8.0 } else { 40.0 }
+    if [102, 202].contains(&seed) {
+        8.0
+    } else {
+        40.0
+    }
 }
 
 /// Compressible, so that terms of the volume do not hide those of the shape; saturating over the strains that occur.
@@ -44,12 +48,20 @@ fn material(seed: u64) -> Material {
             saturation_rates: [0.25, 0.5, 1.0],
             saturation_limit: 1.5,
         }),
-        _ => Material::FungNeoHookean(FungNeoHookean {
-            youngs_modulus,
-            poissons_ratio,
-            stiffening: 0.5,
-            stiffening_limit: 2.0,
-        }),
+        _ => {
+            // One is so steep that the exponent changes by more than ½ in a step.
+            let (stiffening, stiffening_limit) = match seed {
+                201 => (0.5, 1.0),
+                202 => (10.0, 4.0),
+                _ => (0.5, 2.0),
+            };
+            Material::FungNeoHookean(FungNeoHookean {
+                youngs_modulus,
+                poissons_ratio,
+                stiffening,
+                stiffening_limit,
+            })
+        }
     }
 }
 

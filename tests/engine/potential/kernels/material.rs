@@ -30,6 +30,8 @@ pub struct Magnitudes<'a> {
     tissue: MaterialPoint<'a>,
     mu: f64,
     lambda: f64,
+    /// F, and |H| with all signs plus.
+    f: DMat3,
     h: DMat3,
     fibres: Option<Fibres>,
     stiffening: Option<Stiffening>,
@@ -155,6 +157,7 @@ impl<'a> Magnitudes<'a> {
             tissue,
             mu,
             lambda,
+            f: DMat3::IDENTITY + h,
             h: abs_h,
             fibres: None,
             stiffening: None,
@@ -184,7 +187,7 @@ impl<'a> Magnitudes<'a> {
 
     /// P. A polynomial in H of degree 5, H a sum of `handles` products: at most n_h + 3 roundings in each of five factors,
     /// twenty between them, and five of the stiffness, its factor and tension. The fibres' exponent is of degree 4 (its error is in [`Fibres::slope`]) and turned in and
-    /// out of axes that are rounded themselves: sixty more with the exponential's own, 3 + 2 Q_max.
+    /// out of axes that are rounded themselves: sixty more with the exponential's own, 3 + 2 Q_max, and a quotient.
     pub fn stress(&self, handles: usize) -> (DMat3, usize) {
         let f = DMat3::IDENTITY + self.h;
         let mu = self.shear_modulus();
@@ -203,29 +206,35 @@ impl<'a> Magnitudes<'a> {
     }
 
     /// C. It is Lipschitz in H (the projection onto a convex cone does not expand), so that its error is that of the
-    /// unprojected C and of the Jacobi sweeps, which enter twice a mode: five sweeps of three [`ROTATION`]s,
-    /// or for a 9×9 matrix seven sweeps, in each of which sixteen rotations touch an entry.
+    /// unprojected C, whose terms cancel, and that of the modes taken out of it, none of which is larger than C itself. Into these
+    /// the Jacobi sweeps enter twice: five sweeps of three [`ROTATION`]s, or for a 9×9 matrix seven sweeps, in each of which sixteen
+    /// rotations touch an entry. Nine modes are added.
     pub fn tangent(&self, handles: usize) -> (f64, usize) {
         let f = DMat3::IDENTITY + self.h;
         let mu = self.shear_modulus();
         let kappa = self.lambda + mu;
         let pressure = kappa * self.volume() + mu;
         let mut out = mu + kappa * size(abs_cofactor(f)).powi(2) + pressure * size(f);
-        let mut roundings = 4 * (handles + 3) + 25 + 4 * 15 * ROTATION;
+        let mut roundings = 4 * (handles + 3) + 25;
+        let mut of_modes = 4 * 15 * ROTATION + 9 * 3;
         if let Some(fibres) = &self.fibres {
             let stress = by_entries(fibres.weights(), fibres.strain);
             let t = f * fibres.axes * by_entries(fibres.rates, fibres.strain);
             out += 3f64.sqrt() * size(stress)
                 + size(fibres.weights()) * size(f).powi(2)
                 + 2.0 * fibres.slope() * size(t).powi(2);
-            roundings += 60 + 2 * 7 * 16 * ROTATION;
+            roundings += 60;
+            of_modes += 2 * 7 * 16 * ROTATION;
         }
         if let Some(stiffening) = &self.stiffening {
             let a = self.shear() + self.volume() * abs_cofactor(f);
             out += self.mu * stiffening.growth() * size(a).powi(2);
             roundings += Stiffening::ROUNDINGS;
         }
-        (out * self.tissue.local.stiffness, roundings)
+        let exact = self.tissue.tangent(self.f);
+        let exact: f64 = exact.iter().flatten().map(|c| c * c).sum();
+        let modes = exact.sqrt() * of_modes as f64 / roundings as f64;
+        (out * self.tissue.local.stiffness + modes, roundings)
     }
 
     /// Whether Q is so near to its limit that f32 may see it on the other side, where C is another.
