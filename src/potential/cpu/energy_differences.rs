@@ -99,9 +99,11 @@ fn point_difference<B: Basis>(
         inertia: energy::inertia(mass, h, d_change, d_base - start.predicted),
         gravity: energy::gravity(mass, gravity, d_change),
         elastic: energy::elastic(tissue, weight, f_base, change),
-        damping: step.damping(basis, tissue, i, since_start).map_or(0.0, |d| {
-            energy::damping(weight, d.rate, d.tangent, change, d.change)
-        }),
+        damping: step
+            .damping(basis, tissue, i, since_start)
+            .map_or(0.0, |d| {
+                energy::damping(weight, d.rate, d.tangent, change, d.change)
+            }),
         ..Energies::default()
     }
 }
