@@ -37,13 +37,14 @@ fn elasticity(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     let local = tissue[i];
-    let stiffness = state.stiffness * local.stiffness;
+    let stiffness = stiffness_of(local, state);
     var p = stiffness * pk1_stress(h, local.axes);
     var c = scaled(projected_tangent(h, local.axes), stiffness);
-    if (state.damping_rate > 0.0) {
+    let damping_rate = damping_rate_of(local, state);
+    if (damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
-        p += state.damping_rate * contract(start, increment);
-        c = add_scaled(c, state.damping_rate, start);
+        p += damping_rate * contract(start, increment);
+        c = add_scaled(c, damping_rate, start);
     }
     stress[state.slot * constants.points + i] = p;
     tangent[state.slot * constants.points + i] = c;

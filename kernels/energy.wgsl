@@ -101,11 +101,12 @@ fn energy_of_point(i: u32, state: BatchState) -> PartialEnergy {
     out.inertia = 0.5 * mass * state.mass_rate * dot(delta, delta + 2.0 * e);
     out.gravity = -mass * dot(state.gravity, delta);
     let local = tissue[i];
-    out.elastic = point.measure * (state.stiffness * local.stiffness)
+    out.elastic = point.measure * stiffness_of(local, state)
         * energy_difference(h, increment, local.axes);
-    if (state.damping_rate > 0.0) {
+    let damping_rate = damping_rate_of(local, state);
+    if (damping_rate > 0.0) {
         let start = tangent[state.instance * constants.points + i];
-        out.damping = 0.5 * point.measure * state.damping_rate
+        out.damping = 0.5 * point.measure * damping_rate
             * double_dot(increment, contract(start, increment + 2.0 * base_increment));
     }
     return out;

@@ -68,7 +68,6 @@ pub fn random_avatar(
         }),
         tissue: local_tissue(seed, points),
         density: 1000.0,
-        damping_time: 0.01,
         captured_under_gravity: true,
         bodies: Vec::new(),
         body_slots: 0,
@@ -239,13 +238,20 @@ fn pose_extension(seed: u64, points: usize, vertices: usize) -> Rows<(u32, f32)>
     (0..points).map(|_| [0; 3].map(|_| share(random))).collect()
 }
 
-/// Stiffness and axes at so many places.
+/// What the material has of its own at so many places.
 fn local_tissue(seed: u64, count: usize) -> Vec<LocalTissue> {
     let random = &mut Random::new(seed);
+    // Numbers of their own: those of all else stay what they are without them.
+    let (beta, muscle) = (
+        &mut Random::new(seed ^ 0xbe7a),
+        &mut Random::new(seed ^ 0x3c1e),
+    );
     (0..count)
         .map(|_| LocalTissue {
             stiffness: random.uniform(0.5, 2.0),
             axes: DQuat::from_mat3(&random.rotation(2.0)).normalize(),
+            damping_time: beta.uniform(0.005, 0.015),
+            muscle: muscle.uniform(0.0, 1.0),
         })
         .collect()
 }

@@ -51,16 +51,7 @@ fn fibres_at(e: mat3x3<f32>) -> Fibres {
 fn pk1_stress(h: mat3x3<f32>, axes: mat3x3<f32>) -> mat3x3<f32> {
     let e = green_strain(h, axes);
     let s = axes * by_entries(fibres_at(e).moduli, e) * transpose(axes);
-    return neo_hookean_stress(h) + s + h * s;
-}
-
-// eˣ − 1, by its series where the difference would cancel.
-fn exponential_less_one(x: f32) -> f32 {
-    if (abs(x) > 0.5) {
-        return exp(x) - 1.0;
-    }
-    return x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0
-        * (1.0 + x / 6.0 * (1.0 + x / 7.0 * (1.0 + x / 8.0)))))));
+    return neo_hookean_stress(h, material.mu, material.lambda) + s + h * s;
 }
 
 // g(Q + ΔQ) − g(Q) = e^min(Q, Q_max) (e^x − 1) + e^Q_max (ΔQ − x), x the part of ΔQ below Q_max
@@ -73,7 +64,7 @@ fn saturation_difference(q: f32, change: f32) -> f32 {
     } else if (last >= limit) {
         inner = limit - q;
     }
-    return exp(min(q, limit)) * exponential_less_one(inner) + exp(limit) * (change - inner);
+    return exp(min(q, limit)) * (inner * mean_exponential(inner)) + exp(limit) * (change - inner);
 }
 
 // With ΔE = sym(Fᵀ D) + ½ Dᵀ D, a form E : (M ∘ E) changes by ΔE : (M ∘ (2 E + ΔE)).
@@ -86,7 +77,8 @@ fn energy_difference(h: mat3x3<f32>, d: mat3x3<f32>, axes: mat3x3<f32>) -> f32 {
     let q = double_dot(e, by_entries(saturation_rates(), e));
     let q_change = double_dot(change, by_entries(saturation_rates(), between));
     let saturating = material.saturation * saturation_difference(q, q_change);
-    return neo_hookean_energy_difference(h, d) + 0.5 * (fibres + saturating);
+    return neo_hookean_energy_difference(h, d, material.mu, material.lambda)
+        + 0.5 * (fibres + saturating);
 }
 
 // Between columns i and j of F G: S_ij I + ½ W_ij f_j f_iᵀ + 2 c g″ t_i t_jᵀ, t = F G (A ∘ E).
@@ -135,5 +127,6 @@ fn projected_tangent(h: mat3x3<f32>, axes: mat3x3<f32>) -> Tangent {
         turned_block(b, axes, 2u, 1u),
         turned_block(b, axes, 2u, 2u),
     );
-    return positive_part(add_scaled(neo_hookean_tangent(h), 1.0, fibres));
+    let ground = neo_hookean_tangent(h, material.mu, material.lambda);
+    return positive_part(add_scaled(ground, 1.0, fibres));
 }

@@ -31,7 +31,7 @@ struct Chunk {
 struct BatchState {
     gravity: vec3<f32>,   // on the tissue's displacement, m/s²
     mass_rate: f32,       // 1/h̃², 1/s²
-    damping_rate: f32,    // β/h̃
+    damping_rate: f32,    // what β is multiplied by, 1/h̃ with its factor; 0 where nothing damps
     instance: u32,
     slot: u32,
     base: u32,            // slot of the state that the energy is measured from
@@ -39,6 +39,7 @@ struct BatchState {
     smoothing: f32,       // ε = ε_v h, m
     stiffness: f32,       // factor on the tissue's
     has_offsets: u32,     // whether the host gave offsets of the skin
+    tension: f32,         // (T − 1) τ: times the share of muscle, what tension adds to 1
 }
 
 // A start is qⁿ itself, which has no increments of its own. Those of its frames are zero, its handles' are the drift φ̃ − φⁿ of

@@ -184,7 +184,6 @@ fn bake_of(name: &str, source: &AvatarSource) -> supple::Result<Arc<Avatar>> {
         h.encoded(&avatar.material);
         h.encoded(&avatar.tissue);
         h.number(avatar.density);
-        h.number(avatar.damping_time);
         h.add(&[u8::from(avatar.captured_under_gravity)]);
     });
     part("layer", &|h| {

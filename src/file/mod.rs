@@ -15,6 +15,7 @@
 mod parts;
 mod sections;
 mod sparse_columns;
+mod version_1;
 pub(crate) mod whole;
 
 pub use sections::Section;

@@ -9,7 +9,7 @@
 //! | `hndl` | rest positions of the handles | no handles |
 //! | `cuba` | cubature points | refused |
 //! | `skin` | skin vertices and triangles | refused |
-//! | `matl` | material, its local variation, density, damping | refused |
+//! | `matl` | material, what it has of its own at each cubature point, density | refused |
 //! | `cpos`, `spos` | pose blend shapes of cubature points and skin, without their zeros | none |
 //! | `exte` | how cubature points follow offsets of the skin | no offsets are taken |
 //! | `atta` | what attached vertices follow | nothing is attached |
@@ -18,10 +18,14 @@
 //! | `vatt` | normals, colours and further texture coordinates of each part of `draw` | none |
 //! | `look` | materials, textures and images of the body's file | parts are drawn in plain colours |
 //! | `layr` | mesh, basis and embedding of the soft layer: for reports, bakes and the full space | none |
+//!
+//! Sections are of version 1, but `matl` and `layr` of version 2: those of version 1 have one damping time for all of the
+//! tissue, and no muscle ([`super::version_1`]).
 
 use super::Parts;
 use super::sections::{Section, tag_name};
 use super::sparse_columns::SparseColumns;
+use super::version_1;
 use crate::material::{LocalTissue, Material};
 use crate::math::Rows;
 use crate::model::{
@@ -35,9 +39,6 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
-
-/// The version of every section so far.
-const VERSION: u32 = 1;
 
 const BONES: [u8; 4] = *b"bone";
 const JOINTS: [u8; 4] = *b"join";
@@ -86,8 +87,15 @@ struct Tissue<'a> {
     material: Material,
     local: Cow<'a, [LocalTissue]>,
     density: f64,
-    damping_time: f64,
     captured_under_gravity: bool,
+}
+
+/// The version of a section as this build writes it.
+fn version(tag: [u8; 4]) -> u32 {
+    match tag {
+        MATERIAL | LAYER => 2,
+        _ => 1,
+    }
 }
 
 /// The sections of `avatar`; a part that is its default is left out.
@@ -101,7 +109,6 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
         material: avatar.material,
         local: (&avatar.tissue).into(),
         density: avatar.density,
-        damping_time: avatar.damping_time,
         captured_under_gravity: avatar.captured_under_gravity,
     };
     let triangles: Triangles<'_> = (&avatar.triangles).into();
@@ -172,12 +179,12 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
     let (name, skeleton, masses): Bones<'static> = reader.required(BONES)?;
     let cubature: Points<'static> = reader.required(CUBATURE)?;
     let (skin, triangles): (Points<'static>, Triangles<'static>) = reader.required(SKIN)?;
-    let tissue: Tissue<'static> = reader.required(MATERIAL)?;
+    let (tissue, damping_time) = reader.tissue()?;
     let joints = match reader.optional(JOINTS)? {
         Some(joints) => joints,
         None => JointList::of_bones(&skeleton),
     };
-    Ok(Avatar {
+    let mut avatar = Avatar {
         name: name.into_owned(),
         joints,
         up: reader.optional(UP_AXIS)?.unwrap_or_default(),
@@ -199,12 +206,15 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         material: tissue.material,
         tissue: tissue.local.into_owned(),
         density: tissue.density,
-        damping_time: tissue.damping_time,
         captured_under_gravity: tissue.captured_under_gravity,
-        layer: reader.optional(LAYER)?.unwrap_or_default(),
+        layer: reader.layer()?,
         bodies: Vec::new(),
         body_slots: 0,
-    })
+    };
+    if let Some(damping_time) = damping_time {
+        avatar.set_damping_time(damping_time);
+    }
+    Ok(avatar)
 }
 
 fn section(tag: [u8; 4], value: &impl Serialize) -> Result<Section> {
@@ -212,8 +222,16 @@ fn section(tag: [u8; 4], value: &impl Serialize) -> Result<Section> {
         .map_err(|e| Error::invalid("avatar", format!("cannot be written: {e}")))?;
     Ok(Section {
         tag,
-        version: VERSION,
+        version: version(tag),
         content,
+    })
+}
+
+/// A section without which there is no avatar.
+fn needed<T>(path: &Path, tag: [u8; 4], found: Option<T>) -> Result<T> {
+    found.ok_or_else(|| {
+        let problem = "is not there, and no avatar is without it; bake it again";
+        Error::format(path, tag_name(tag), problem)
     })
 }
 
@@ -240,15 +258,49 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn optional<T: DeserializeOwned>(&mut self, tag: [u8; 4]) -> Result<Option<T>> {
+        self.of_version(tag, version(tag))
+    }
+
+    /// The tissue's constants, and the damping time of all of it where the file has one.
+    fn tissue(&mut self) -> Result<(Tissue<'static>, Option<f64>)> {
+        if !self.is_of_version_1(MATERIAL) {
+            return Ok((self.required(MATERIAL)?, None));
+        }
+        let tissue: version_1::Tissue = needed(self.path, MATERIAL, self.of_version(MATERIAL, 1)?)?;
+        let damping_time = tissue.damping_time;
+        let tissue = Tissue {
+            material: tissue.material,
+            local: version_1::local_tissue(tissue.local).into(),
+            density: tissue.density,
+            captured_under_gravity: tissue.captured_under_gravity,
+        };
+        Ok((tissue, Some(damping_time)))
+    }
+
+    /// The soft layer; empty where the file has none.
+    fn layer(&mut self) -> Result<SoftLayer> {
+        let layer = match self.is_of_version_1(LAYER) {
+            true => (self.of_version(LAYER, 1)?).map(|layer: version_1::Layer| layer.into()),
+            false => self.optional(LAYER)?,
+        };
+        Ok(layer.unwrap_or_default())
+    }
+
+    fn is_of_version_1(&self, tag: [u8; 4]) -> bool {
+        (self.sections.iter()).any(|s| s.tag == tag && s.version == 1)
+    }
+
+    /// A section that must be of version `known`.
+    fn of_version<T: DeserializeOwned>(&mut self, tag: [u8; 4], known: u32) -> Result<Option<T>> {
         let Some(at) = self.sections.iter().position(|s| s.tag == tag) else {
             return Ok(None);
         };
         let section = self.sections.remove(at);
         let fail = |problem: String| Err(Error::format(self.path, tag_name(tag), problem));
-        if section.version != VERSION {
+        if section.version != known {
             let version = section.version;
             return fail(format!(
-                "version {version}, this build reads {VERSION}; update supple"
+                "version {version}, this build reads {known}; update supple"
             ));
         }
         match postcard::take_from_bytes(&section.content) {
@@ -259,10 +311,8 @@ impl Reader<'_> {
     }
 
     fn required<T: DeserializeOwned>(&mut self, tag: [u8; 4]) -> Result<T> {
-        self.optional(tag)?.ok_or_else(|| {
-            let problem = "is not there, and no avatar is without it; bake it again";
-            Error::format(self.path, tag_name(tag), problem)
-        })
+        let found = self.optional(tag)?;
+        needed(self.path, tag, found)
     }
 
     /// How the file draws the skin, with what the shading needs where the file has it.

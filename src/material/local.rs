@@ -13,6 +13,11 @@ pub struct LocalTissue {
     /// Turns the material's axes into those of the reference shape: x is the skin's normal carried into the
     /// depth, y runs along the bone, z around it.
     pub axes: DQuat,
+    /// Stiffness-proportional damping β, s; not negative. A mode of f Hz whose tissue is all of this β has the damping ratio
+    /// ζ = π f β.
+    pub damping_time: f64,
+    /// Share of muscle, 0 (fat, skin) to 1: what tension stiffens.
+    pub muscle: f64,
 }
 
 impl Default for LocalTissue {
@@ -20,6 +25,8 @@ impl Default for LocalTissue {
         Self {
             stiffness: 1.0,
             axes: DQuat::IDENTITY,
+            damping_time: 0.0,
+            muscle: 0.0,
         }
     }
 }
@@ -30,6 +37,9 @@ impl LocalTissue {
         self.stiffness > 0.0
             && self.stiffness.is_finite()
             && (self.axes.length_squared() - 1.0).abs() < 1e-6
+            && self.damping_time >= 0.0
+            && self.damping_time.is_finite()
+            && (0.0..=1.0).contains(&self.muscle)
     }
 }
 

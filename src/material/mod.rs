@@ -4,10 +4,15 @@
 //! [`Material`] answers in the material's own axes; [`MaterialPoint`] is a material at a point of a body, with the stiffness and
 //! the axes that it has there ([`LocalTissue`]).
 
+mod damping;
+mod fung_neo_hookean;
 mod local;
+mod neo_hookean;
 mod orthotropic;
 mod stable_neo_hookean;
 
+pub use damping::{DEFAULT_BOUNCE, damping_ratio, damping_time};
+pub use fung_neo_hookean::FungNeoHookean;
 pub use local::{LocalTissue, MaterialPoint};
 pub use orthotropic::Orthotropic;
 pub use stable_neo_hookean::StableNeoHookean;
@@ -59,6 +64,8 @@ pub enum Material {
     StableNeoHookean(StableNeoHookean),
     /// That, with fibres and Fung's saturation.
     Orthotropic(Orthotropic),
+    /// The first, stiffening by Fung's exponential of an invariant.
+    FungNeoHookean(FungNeoHookean),
 }
 
 impl std::fmt::Display for Material {
@@ -78,6 +85,11 @@ impl std::fmt::Display for Material {
                     m.youngs_modulus, m.poissons_ratio, m.saturation, m.saturation_limit
                 )
             }
+            Self::FungNeoHookean(m) => write!(
+                f,
+                "Fung's neo-Hookean, E = {} Pa, ν = {}, stiffening {} up to an exponent of {}",
+                m.youngs_modulus, m.poissons_ratio, m.stiffening, m.stiffening_limit
+            ),
         }
     }
 }
@@ -90,6 +102,7 @@ impl Material {
                 youngs_modulus: 3e4,
                 poissons_ratio: 0.45,
             }),
+            Self::FungNeoHookean(FungNeoHookean::from_shear_modulus(750.0, 0.4)),
             Self::Orthotropic(Orthotropic::default()),
         ]
     }
@@ -98,6 +111,7 @@ impl Material {
         match self {
             Self::StableNeoHookean(model) => model,
             Self::Orthotropic(model) => model,
+            Self::FungNeoHookean(model) => model,
         }
     }
 

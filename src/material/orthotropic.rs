@@ -276,6 +276,7 @@ impl Hyperelastic for Orthotropic {
         &[
             "shared/neo_hookean.wgsl",
             "shared/positive_part.wgsl",
+            "shared/exponential.wgsl",
             "material/orthotropic.wgsl",
         ]
     }

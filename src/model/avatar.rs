@@ -27,7 +27,7 @@ pub struct SoftLayer {
     pub basis: Rows<(u32, f64)>,
     /// Nodes (index, share) of each skin vertex; one node where the mesh meets the skin.
     pub skin_embedding: Rows<(u32, f64)>,
-    /// Stiffness and axes of each tet; none where they are the same everywhere.
+    /// What the material has of its own in each tet; none where it is [`LocalTissue::default`] everywhere.
     pub tissue: Vec<LocalTissue>,
 }
 
@@ -75,12 +75,11 @@ pub struct Avatar {
     pub appearance: Arc<Appearance>,
     /// What the tissue is made of.
     pub material: Material,
-    /// Stiffness and axes of the material at each cubature point; none where they are the same everywhere.
+    /// What the material has of its own at each cubature point: stiffness, axes, damping, muscle. None where it is
+    /// [`LocalTissue::default`] everywhere, which damps nothing.
     pub tissue: Vec<LocalTissue>,
     /// Density of the tissue, kg/m³.
     pub density: f64,
-    /// Stiffness-proportional damping β, s.
-    pub damping_time: f64,
     /// Whether the rest shape already sags under gravity (a captured shape does); then the tissue's
     /// weight loads the bones and not the handles.
     pub captured_under_gravity: bool,
@@ -126,6 +125,25 @@ impl Avatar {
     pub fn tissue_of_tet(&self, t: usize) -> MaterialPoint<'_> {
         let local = self.layer.tissue.get(t).copied().unwrap_or_default();
         self.material.at(local)
+    }
+
+    /// Whether any of the tissue damps.
+    pub fn is_damped(&self) -> bool {
+        self.tissue.iter().any(|local| local.damping_time > 0.0)
+    }
+
+    /// Gives all of the tissue one damping time β, s.
+    pub fn set_damping_time(&mut self, damping_time: f64) {
+        let layer = &mut self.layer;
+        for (tissue, count) in [
+            (&mut self.tissue, self.cubature.len()),
+            (&mut layer.tissue, layer.mesh.tets.len()),
+        ] {
+            if tissue.is_empty() && damping_time != 0.0 {
+                tissue.resize(count, LocalTissue::default());
+            }
+            (tissue.iter_mut()).for_each(|local| local.damping_time = damping_time);
+        }
     }
 
     /// Number of skin vertices that bound tissue; attached ones come after them, and bodies' last.
@@ -290,18 +308,14 @@ impl Avatar {
                 (tissue.is_empty() || tissue.len() == count)
                     && tissue.iter().all(LocalTissue::is_valid),
                 field,
-                "a positive stiffness and a unit quaternion are needed for each point, or nothing at all",
+                "a positive stiffness, a unit quaternion, a damping time that is not negative and a muscle of 0 to 1 are \
+                 needed for each point, or nothing at all",
             )?;
         }
         check(
             self.density > 0.0 && self.density.is_finite(),
             "density",
             "must be positive (kg/m³)",
-        )?;
-        check(
-            self.damping_time >= 0.0 && self.damping_time.is_finite(),
-            "damping_time",
-            "must be zero or positive (s)",
         )?;
         check(
             self.triangles

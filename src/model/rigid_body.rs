@@ -241,7 +241,6 @@ impl RigidBody {
             }),
             tissue: Vec::new(),
             density: 1.0,
-            damping_time: 0.0,
             captured_under_gravity: false,
             layer: SoftLayer::default(),
             bodies: Vec::new(),

@@ -198,7 +198,8 @@ impl Character {
         self.awake
     }
 
-    /// Factors of the tissue's stiffness, damping, gravity and friction from the next step on; 1 is as it was baked.
+    /// Factors of the tissue's stiffness, damping, gravity and friction from the next step on, and the tension of its muscle; 1, and
+    /// tension 0, is as it was baked.
     ///
     /// # Errors
     /// A factor that is unusable.

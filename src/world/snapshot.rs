@@ -35,8 +35,13 @@ const INTEGRATION: [u8; 4] = *b"INTG";
 const OFFSETS: [u8; 4] = *b"OFFS";
 const BODIES: [u8; 4] = *b"BODY";
 const COLLIDERS: [u8; 4] = *b"COLL";
-/// Of each section's content.
-const VERSION: u32 = 1;
+/// Of a section's content, as this build writes it.
+fn version(tag: [u8; 4]) -> u32 {
+    match tag {
+        DRIVERS => 2,
+        _ => 1,
+    }
+}
 
 #[derive(Serialize, Deserialize)]
 struct StoredWorld {
@@ -138,7 +143,7 @@ struct StoredSprings {
 }
 
 #[derive(Serialize, Deserialize)]
-struct StoredDriver {
+struct StoredDriver<F> {
     driving: Driving,
     placement: Frame,
     awake: bool,
@@ -147,7 +152,44 @@ struct StoredDriver {
     bending: Vec<Bending>,
     limits: Vec<JointLimit>,
     gravity: DVec3,
-    factors: TissueFactors,
+    factors: F,
+}
+
+/// [`TissueFactors`] in drivers of version 1: no tension.
+#[derive(Serialize, Deserialize)]
+struct FactorsWithoutTension {
+    stiffness: f64,
+    damping: f64,
+    gravity: f64,
+    friction: f64,
+}
+
+impl From<FactorsWithoutTension> for TissueFactors {
+    fn from(stored: FactorsWithoutTension) -> Self {
+        Self {
+            stiffness: stored.stiffness,
+            damping: stored.damping,
+            gravity: stored.gravity,
+            friction: stored.friction,
+            ..Self::default()
+        }
+    }
+}
+
+impl From<StoredDriver<FactorsWithoutTension>> for StoredDriver<TissueFactors> {
+    fn from(stored: StoredDriver<FactorsWithoutTension>) -> Self {
+        Self {
+            driving: stored.driving,
+            placement: stored.placement,
+            awake: stored.awake,
+            targets: stored.targets,
+            pins: stored.pins,
+            bending: stored.bending,
+            limits: stored.limits,
+            gravity: stored.gravity,
+            factors: stored.factors.into(),
+        }
+    }
 }
 
 impl Character {
@@ -159,7 +201,7 @@ impl Character {
         }
     }
 
-    fn stored_driver(&self) -> StoredDriver {
+    fn stored_driver(&self) -> StoredDriver<TissueFactors> {
         let instance = self.instance();
         StoredDriver {
             driving: self.driving(),
@@ -227,7 +269,7 @@ impl Character {
         &mut self,
         state: StoredState,
         history: Option<StoredHistory>,
-        driver: StoredDriver,
+        driver: StoredDriver<TissueFactors>,
         springs: &StoredSprings,
         time_step: f64,
     ) -> Result<()> {
@@ -323,7 +365,7 @@ impl World {
         let avatars = self.check_assets(&assets)?;
         let (instances, states): (SlotMap<InstanceId, (usize, usize)>, Vec<StoredState>) =
             read(snapshot, INSTANCES)?;
-        let drivers: Vec<StoredDriver> = read(snapshot, DRIVERS)?;
+        let drivers = read_drivers(snapshot)?;
         let springs: Vec<StoredSprings> = read(snapshot, SPRINGS)?;
         let offsets: Vec<Vec<[f32; 3]>> = read(snapshot, OFFSETS)?;
         let (mut bodies, body_states): (SlotMap<BodyId, Body>, Vec<StoredState>) =
@@ -429,7 +471,7 @@ fn section(tag: [u8; 4], content: &impl Serialize) -> Result<Section> {
     let written = postcard::to_stdvec(content);
     Ok(Section {
         tag,
-        version: VERSION,
+        version: version(tag),
         content: written.map_err(|e| Error::invalid("snapshot", e.to_string()))?,
     })
 }
@@ -440,13 +482,27 @@ fn read_optional<T: DeserializeOwned>(snapshot: &Snapshot, tag: [u8; 4]) -> Resu
     there.then(|| read(snapshot, tag)).transpose()
 }
 
+/// The drivers, of either version.
+fn read_drivers(snapshot: &Snapshot) -> Result<Vec<StoredDriver<TissueFactors>>> {
+    let before = (snapshot.sections.iter()).any(|s| s.tag == DRIVERS && s.version == 1);
+    if !before {
+        return read(snapshot, DRIVERS);
+    }
+    let drivers: Vec<StoredDriver<FactorsWithoutTension>> = read_version(snapshot, DRIVERS, 1)?;
+    Ok(drivers.into_iter().map(Into::into).collect())
+}
+
 fn read<T: DeserializeOwned>(snapshot: &Snapshot, tag: [u8; 4]) -> Result<T> {
+    read_version(snapshot, tag, version(tag))
+}
+
+fn read_version<T: DeserializeOwned>(snapshot: &Snapshot, tag: [u8; 4], known: u32) -> Result<T> {
     let field = format!("snapshot.{}", tag.escape_ascii());
     let found = snapshot.sections.iter().find(|s| s.tag == tag);
     let section = found.ok_or_else(|| Error::invalid(field.clone(), "is missing"))?;
-    if section.version != VERSION {
+    if section.version != known {
         let version = section.version;
-        let problem = format!("version {version}; this build reads {VERSION}");
+        let problem = format!("version {version}; this build reads {known}");
         return Err(Error::invalid(field, problem));
     }
     let read = postcard::take_from_bytes(&section.content);

@@ -126,7 +126,6 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
             poissons_ratio: 0.4,
         }),
         density: 1000.0,
-        damping_time: 0.0,
         captured_under_gravity,
         bodies: Vec::new(),
         body_slots: 0,

@@ -132,7 +132,7 @@ fn bake_phases(
     drop(columns);
 
     clock.start(3);
-    let layer_tissue = local_tissue(body, &field, &node_skinning, &recipe.stiffness)?;
+    let layer_tissue = local_tissue(body, &field, &node_skinning, recipe)?;
     let cubature = if recipe.cubature.all_tets {
         Cubature::all_tets(tissue)
     } else {
@@ -198,7 +198,6 @@ fn bake_phases(
             .map(|&t| layer_tissue[t as usize])
             .collect(),
         density: recipe.density,
-        damping_time: recipe.damping_time,
         captured_under_gravity: recipe.captured_under_gravity,
         layer: SoftLayer {
             mesh: mesh.clone(),

@@ -5,6 +5,7 @@
 //! child joints, blended by the tet's skin weights) made orthogonal to it, the third runs around the bone.
 
 use super::interior::InteriorField;
+use super::recipe::Recipe;
 use crate::body::Body;
 use crate::math::NearestPoint;
 use glam::{DMat3, DQuat, DVec3};
@@ -49,7 +50,7 @@ impl StiffnessRegion {
     }
 }
 
-/// Stiffness and axes of each tet of a meshed `body`.
+/// Stiffness, axes and damping of each tet of a meshed `body`.
 ///
 /// # Errors
 /// [`Error::Invalid`] where a region names a bone or a map that is not there.
@@ -57,8 +58,9 @@ pub(crate) fn local_tissue(
     body: &Body,
     field: &InteriorField<'_>,
     node_skinning: &Rows<SkinWeight>,
-    regions: &[StiffnessRegion],
+    recipe: &Recipe,
 ) -> Result<Vec<LocalTissue>> {
+    let regions = &recipe.stiffness;
     let layer = &body.layer;
     let maps = painted_maps(body, regions)?;
     let normals = body.skin.vertex_normals();
@@ -104,6 +106,8 @@ pub(crate) fn local_tissue(
         LocalTissue {
             stiffness: exponents.sum::<f64>().exp(),
             axes: axes(DVec3::new(mean(0, t), mean(1, t), mean(2, t)), direction),
+            damping_time: recipe.damping_time,
+            muscle: 0.0,
         }
     }))
 }

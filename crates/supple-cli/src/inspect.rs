@@ -6,6 +6,7 @@ use super::preview::Preview;
 use super::terminal::{print, print_json, print_table};
 use serde::Serialize;
 use std::path::PathBuf;
+use supple::material::LocalTissue;
 use supple::model::{Avatar, Joint, JointBone, UpAxis};
 use supple::{Error, Result};
 use supple_bake::{BakeReport, Baked, SpringReport, read_baked};
@@ -45,7 +46,10 @@ struct Contents {
     tissue_mass_kg: f64,
     bone_mass_kg: f64,
     density: f64,
-    damping_time: f64,
+    /// Stiffness-proportional damping β, s: least and greatest over the cubature points.
+    damping_time: [f64; 2],
+    /// Share of muscle: least and greatest over the cubature points.
+    muscle: [f64; 2],
     captured_under_gravity: bool,
     pose_features: usize,
     most_bones_of_a_vertex: usize,
@@ -107,14 +111,15 @@ impl Contents {
                 .map(|b| b.second_moment[3][3])
                 .sum(),
             density: avatar.density,
-            damping_time: avatar.damping_time,
+            damping_time: range(avatar, |local| local.damping_time),
+            muscle: range(avatar, |local| local.muscle),
             captured_under_gravity: avatar.captured_under_gravity,
             pose_features: avatar.skin.pose_blend.features,
             most_bones_of_a_vertex: avatar.skin.skinning.longest(),
             most_handles_of_a_vertex: avatar.skin.basis.longest(),
             most_handles_of_a_point: avatar.cubature.basis.longest(),
             material: avatar.material,
-            stiffness: stiffness(avatar),
+            stiffness: range(avatar, |local| local.stiffness),
             bake,
         }
     }
@@ -151,7 +156,17 @@ impl Contents {
         print_table([
             ("degrees of freedom", self.dofs.to_string()),
             ("density", format!("{} kg/m³", self.density)),
-            ("damping time", format!("{} s", self.damping_time)),
+            (
+                "damping time",
+                format!("{} to {} s", self.damping_time[0], self.damping_time[1]),
+            ),
+            (
+                "muscle",
+                format!(
+                    "{:.2} to {:.2} of the tissue",
+                    self.muscle[0], self.muscle[1]
+                ),
+            ),
             (
                 "captured under gravity",
                 self.captured_under_gravity.to_string(),
@@ -190,12 +205,12 @@ impl Contents {
     }
 }
 
-/// Least and greatest factor on the stiffness.
-fn stiffness(avatar: &Avatar) -> [f64; 2] {
-    let values = (0..avatar.cubature.len()).map(|i| avatar.tissue_at(i).local.stiffness);
-    values.fold([f64::INFINITY, 0.0], |[low, high], s| {
-        [low.min(s), high.max(s)]
-    })
+/// Least and greatest of a value over the cubature points; zeros where there are none.
+fn range(avatar: &Avatar, of: impl Fn(&LocalTissue) -> f64) -> [f64; 2] {
+    let values = (0..avatar.cubature.len()).map(|i| of(&avatar.tissue_at(i).local));
+    let range = values.map(|v| [v, v]);
+    let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
+    range.reduce(wider).unwrap_or_default()
 }
 
 impl Arguments {

@@ -1,5 +1,6 @@
 //! What every material must satisfy, and what each is known to give.
 
+mod fung_neo_hookean;
 mod laws;
 mod orthotropic;
 mod stable_neo_hookean;

@@ -8,7 +8,7 @@ use crate::Result;
 use crate::material::MaterialPoint;
 use crate::math::Rows;
 use crate::model::{Avatar, Space};
-use crate::potential::BlockPattern;
+use crate::potential::{BlockPattern, TissueFactors};
 use std::sync::Arc;
 
 /// The avatar with the tables that gathers need.
@@ -56,10 +56,10 @@ impl<B: Basis> Asset<B> {
         })
     }
 
-    /// The tissue at cubature point `i`, `factor` times as stiff as it was baked.
-    pub fn tissue_at(&self, i: usize, factor: f64) -> MaterialPoint<'_> {
+    /// The tissue at cubature point `i` as `factors` change it.
+    pub fn tissue_at(&self, i: usize, factors: &TissueFactors) -> MaterialPoint<'_> {
         let mut tissue = self.avatar.tissue_at(i);
-        tissue.local.stiffness *= factor;
+        tissue.local = factors.on(tissue.local);
         tissue
     }
 }

@@ -13,8 +13,8 @@ use crate::collider::Collider;
 use crate::material::MaterialPoint;
 use crate::math::{Strided, par_join, par_split};
 use crate::model::{Frame, State, pose_feature_into};
-use crate::potential::StepStart;
 use crate::potential::cpu::pose_skin::PosedSkin;
+use crate::potential::{StepStart, TissueFactors};
 use glam::{DMat3, DVec3};
 
 /// Points and vertices of one task: some ten microseconds of work; a multiple of [`super::pose_columns::GROUP`].
@@ -37,9 +37,9 @@ pub(super) struct Step {
     /// The root's joint at tⁿ: frames and colliders are relative to it.
     pub origin: DVec3,
     pub tissue_gravity: DVec3,
-    /// Factor on the tissue's stiffness.
-    pub stiffness: f64,
-    /// β/h̃.
+    /// What the instance's tissue has differently.
+    factors: TissueFactors,
+    /// What β is multiplied by, 1/s: the factor on it over h̃.
     pub damping_rate: f64,
     pub colliders: Vec<Collider>,
     /// How each collider whose motion is given moves in this step.
@@ -70,7 +70,7 @@ impl Step {
             inertial_step: 0.0,
             origin: DVec3::ZERO,
             tissue_gravity: DVec3::ZERO,
-            stiffness: 1.0,
+            factors: TissueFactors::default(),
             damping_rate: 0.0,
             colliders: Vec::new(),
             collider_motions: Vec::new(),
@@ -102,8 +102,8 @@ impl Step {
         self.origin = start.current.frames[0].position;
         let factors = start.factors;
         self.tissue_gravity = factors.gravity * start.tissue_gravity;
-        self.stiffness = factors.stiffness;
-        self.damping_rate = factors.damping * avatar.damping_time / start.inertia.step;
+        self.factors = factors;
+        self.damping_rate = factors.damping / start.inertia.step;
         self.colliders.clear();
         let relative = start.colliders.iter().map(|c| c.relative_to(self.origin));
         self.colliders.extend(relative);
@@ -132,7 +132,7 @@ impl Step {
         let (feature, motion) = (&*feature, &*motion);
         let pose = (&feature[..], start.pose_offsets);
         let mut starts = std::mem::take(&mut self.starts);
-        let tissue = |i: usize| asset.tissue_at(i, factors.stiffness);
+        let tissue = |i: usize| asset.tissue_at(i, &factors);
         par_join(
             || starts.begin(asset, pose, start, motion, tissue),
             || self.begin_skin(asset, pose, motion, touching, posed_skin),
@@ -210,20 +210,26 @@ impl Step {
         self.lagged = lagged;
     }
 
-    /// The tissue at cubature point `i`, with this step's factor.
+    /// The tissue at cubature point `i`, with this step's factors.
     pub fn tissue_at<'a, B: Basis>(&self, asset: &'a Asset<B>, i: usize) -> MaterialPoint<'a> {
-        asset.tissue_at(i, self.stiffness)
+        asset.tissue_at(i, &self.factors)
     }
 
-    /// The damping of point `i`, whose F has moved by `change` since Fⁿ.
-    pub fn damping<B: Basis>(&self, basis: &[B], i: usize, change: DMat3) -> Option<Damping<'_>> {
+    /// The damping of point `i`, of its `tissue`, whose F has moved by `change` since Fⁿ.
+    pub fn damping<B: Basis>(
+        &self,
+        basis: &[B],
+        tissue: MaterialPoint<'_>,
+        i: usize,
+        change: DMat3,
+    ) -> Option<Damping<'_>> {
         let tangent = self.starts.damping_tangents.get(i)?;
         let drift = match &self.handle_drift[..] {
             [] => DMat3::ZERO,
             drift => displacement_gradient(basis, drift),
         };
         Some(Damping {
-            rate: self.damping_rate,
+            rate: self.damping_rate * tissue.local.damping_time,
             tangent,
             change: change - drift,
         })

@@ -58,11 +58,12 @@ impl<B: Basis> CpuPotential<B> {
 
             let f_change = displacement_gradient(basis, &motion.handle_changes);
             let f = start.deformation_gradient + f_change;
+            let tissue = step.tissue_at(asset, i);
             let mut tangent = match form {
-                HessianForm::Exact => step.tissue_at(asset, i).tangent(f),
-                HessianForm::Solver => step.tissue_at(asset, i).projected_tangent(f),
+                HessianForm::Exact => tissue.tangent(f),
+                HessianForm::Solver => tissue.projected_tangent(f),
             };
-            if let Some(damping) = step.damping(basis, i, f_change) {
+            if let Some(damping) = step.damping(basis, tissue, i, f_change) {
                 for (row, lagged) in tangent.iter_mut().zip(damping.tangent) {
                     for (entry, lagged) in row.iter_mut().zip(lagged) {
                         *entry += damping.rate * lagged;

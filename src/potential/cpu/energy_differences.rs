@@ -94,13 +94,16 @@ fn point_difference<B: Basis>(
     let since_start = displacement_gradient(basis, &to_base.handle_changes);
     let change = displacement_gradient(basis, &to_state.handle_changes);
     let f_base = start.deformation_gradient + since_start;
+    let tissue = step.tissue_at(asset, i);
     Energies {
         inertia: energy::inertia(mass, h, d_change, d_base - start.predicted),
         gravity: energy::gravity(mass, gravity, d_change),
-        elastic: energy::elastic(step.tissue_at(asset, i), weight, f_base, change),
-        damping: step.damping(basis, i, since_start).map_or(0.0, |d| {
-            energy::damping(weight, d.rate, d.tangent, change, d.change)
-        }),
+        elastic: energy::elastic(tissue, weight, f_base, change),
+        damping: step
+            .damping(basis, tissue, i, since_start)
+            .map_or(0.0, |d| {
+                energy::damping(weight, d.rate, d.tangent, change, d.change)
+            }),
         ..Energies::default()
     }
 }

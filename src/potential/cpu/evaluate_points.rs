@@ -76,7 +76,7 @@ fn evaluate_point<B: Basis>(
 
     let f_start = start.deformation_gradient;
     let f_change = elasticity::displacement_gradient(basis, changes);
-    let damping = step.damping(basis, i, f_change);
+    let damping = step.damping(basis, tissue, i, f_change);
     let mut stress = DMat3::ZERO;
     if let Some(tangent) = tangent {
         stress = elasticity::stress(tissue, f_start + f_change, damping);

@@ -38,7 +38,7 @@ impl PointStarts {
     /// Memory for steps of `asset`.
     pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
         let points = asset.cubature.len();
-        let damped = asset.avatar.damping_time > 0.0;
+        let damped = asset.avatar.is_damped();
         Self {
             points: vec![PointStart::default(); points],
             damping_tangents: vec![[[0.0; 9]; 9]; if damped { points } else { 0 }],

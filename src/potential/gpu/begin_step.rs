@@ -75,7 +75,6 @@ impl Recorder {
 
     fn dispatch_starts(&self, submission: &mut Submission) {
         let batch = self.buffers.sizes.starts(self.batch.len());
-        let damped = self.avatar.damping_time > 0.0;
         // Usually a step starts from the pose that the skin was just posed in: then x̄ of the skin is there already.
         let posed = self.is_posed();
         if posed {
@@ -88,7 +87,7 @@ impl Recorder {
             }
             stages.displacement.dispatch(pass, batch);
             stages.inertial_target.dispatch(pass, batch);
-            if damped {
+            if self.damped {
                 stages.elasticity.dispatch(pass, batch);
             }
             stages.contact.dispatch(pass, batch);
@@ -111,11 +110,15 @@ impl Recorder {
         BatchState {
             gravity: pack::round(factors.gravity * start.tissue_gravity),
             mass_rate: (1.0 / (step * step)) as f32,
-            damping_rate: (factors.damping * self.avatar.damping_time / step) as f32,
+            damping_rate: match self.damped {
+                true => (factors.damping / step) as f32,
+                false => 0.0,
+            },
             instance: i as u32,
             colliders: start.colliders.len() as u32,
             smoothing: (start.slip_speed * start.time_step) as f32,
             stiffness: factors.stiffness as f32,
+            tension: factors.added_by_tension() as f32,
             has_offsets: u32::from(!start.pose_offsets.is_empty()),
             ..BatchState::default()
         }

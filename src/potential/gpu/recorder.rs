@@ -77,6 +77,8 @@ pub struct Recorder {
     /// Likewise of a step's end, which may come back with the next step's first results, and whose they are.
     pub(super) ends: Range<usize>,
     pub(super) ended: Vec<u32>,
+    /// Whether any of the tissue damps.
+    pub(super) damped: bool,
     /// Longest φ that is sent to the device, m.
     pub(super) longest_handle: f32,
     // What the next submission uploads; kept to spare allocations.
@@ -109,9 +111,11 @@ impl Recorder {
         }
         kernels.check(device, &avatar.material)?;
         let tables = Tables::new(&avatar)?;
+        let damped = avatar.is_damped();
         let sizes = Sizes::new(&device.limits(), &avatar, &tables, instances, &options);
         let buffers = Buffers::new(device, queue, &avatar, &tables, sizes, &options)?;
         Ok(Self {
+            damped,
             stages: Stages::new(kernels.stages(), &buffers)?,
             starts: vec![None; instances],
             skin_origins: vec![DVec3::ZERO; instances],

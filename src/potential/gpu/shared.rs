@@ -49,7 +49,7 @@ host_shareable! {
         pub gravity: [f32; 3],
         /// 1/h̃², 1/s².
         pub mass_rate: f32,
-        /// β/h̃.
+        /// What β is multiplied by, 1/s: the factor on it over h̃.
         pub damping_rate: f32,
         /// Whose state it is.
         pub instance: u32,
@@ -65,6 +65,10 @@ host_shareable! {
         pub stiffness: f32,
         /// 1 where the host gave offsets of the skin, else 0.
         pub has_offsets: u32,
+        /// Times the share of muscle, what tension adds to the factor on the stiffness.
+        pub tension: f32,
+        /// Padding.
+        pub _pad: [u32; 3],
     }
 
     /// Which states of a batch a dispatch takes (kernels/shared/batch.wgsl).
@@ -103,8 +107,12 @@ host_shareable! {
         pub axes: Mat3,
         /// Factor on the energy.
         pub stiffness: f32,
+        /// β, s.
+        pub damping_time: f32,
+        /// Share of muscle.
+        pub muscle: f32,
         /// Padding.
-        pub _pad: [u32; 3],
+        pub _pad: u32,
     }
 
     /// The share of a bone, a handle or a skin vertex (kernels/shared/kinematics.wgsl).

@@ -252,6 +252,8 @@ fn local_tissue(avatar: &Avatar) -> Vec<LocalTissue> {
         LocalTissue {
             axes: columns(DMat3::from_quat(local.axes)),
             stiffness: local.stiffness as f32,
+            damping_time: local.damping_time as f32,
+            muscle: local.muscle as f32,
             ..LocalTissue::default()
         }
     };

@@ -77,12 +77,17 @@ fn a_field_that_lies_elsewhere_is_noticed() {
             "root_saturation_rates: vec3<f32>,\n    root_fibre_moduli: vec3<f32>,",
         ),
     ];
+    let stiffening = (
+        "material/fung_neo_hookean.wgsl",
+        "stiffening: f32,        // b\n    stiffening_limit: f32,",
+        "stiffening_limit: f32,\n    stiffening: f32,",
+    );
     let unknown = (
         "shared/tissue.wgsl",
         "struct LocalTissue",
         "struct Lone { a: f32 }\n\nstruct LocalTissue",
     );
-    for (path, from, to) in swapped.into_iter().chain([unknown]) {
+    for (path, from, to) in swapped.into_iter().chain([stiffening, unknown]) {
         let uses = |m: &Material| !path.starts_with("material") || m.kernels().contains(&path);
         let material = Material::examples().into_iter().find(uses).unwrap();
         let sources = Sources::new(&material).edited(path, from, to).unwrap();

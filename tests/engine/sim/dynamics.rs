@@ -163,7 +163,7 @@ fn refining_the_time_step_converges_at_first_order() -> Result<()> {
     let mut avatar = support::full_space_limb(&limb, 2, true);
     // Backward Euler damps a vibration by exp(−ω² h T/2): first order shows where that is near 1, so
     // the tissue damps its own fast ones.
-    avatar.damping_time = 4e-3;
+    avatar.set_damping_time(4e-3);
     let duration = 0.02;
     let run = |steps: usize| -> Result<Vec<DVec3>> {
         let time_step = duration / steps as f64;
@@ -210,7 +210,7 @@ fn bones_follow_moving_pins_and_targets() -> Result<()> {
     };
     let mut avatar = support::full_space_limb(&limb, 2, true);
     // So that it swings no more after two seconds.
-    avatar.damping_time = 0.02;
+    avatar.set_damping_time(0.02);
     let velocity = DVec3::new(0.3, -0.5, 0.2);
     let spring = |damping| {
         Some(Spring {

@@ -65,7 +65,6 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         material: avatar.material,
         tissue: layer.tissue.clone(),
         density: avatar.density,
-        damping_time: avatar.damping_time,
         captured_under_gravity: avatar.captured_under_gravity,
         layer: SoftLayer {
             basis,

@@ -321,7 +321,9 @@ impl Scene {
     /// [`supple::Error::Invalid`] of a range ([`set_limits`]) or a body ([`Avatar::add_body`]).
     pub fn dress(&self, avatar: &mut Avatar) -> Result<()> {
         avatar.material = self.material.unwrap_or(avatar.material);
-        avatar.damping_time = self.damping_time.unwrap_or(avatar.damping_time);
+        if let Some(damping_time) = self.damping_time {
+            avatar.set_damping_time(damping_time);
+        }
         set_limits(&mut avatar.skeleton, &self.limits)?;
         (self.bodies.iter()).try_for_each(|body| avatar.add_body(body.rigid_body()?))
     }

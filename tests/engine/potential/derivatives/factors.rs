@@ -4,6 +4,7 @@ use super::case::{Case, cases, factors};
 use super::{STEP, difference, evaluate, largest, unit};
 use pollster::block_on;
 use supple::internal::cpu::HessianForm;
+use supple::material::{DEFAULT_BOUNCE, damping_ratio};
 use supple::potential::{Evaluation, Potential, TissueFactors};
 
 /// Everything at once, with friction that neither holds nor only slips.
@@ -18,18 +19,31 @@ fn case(factors: TissueFactors) -> Case {
 #[test]
 fn each_factor_multiplies_its_own_term() {
     let [_, _, state] = case(TissueFactors::default()).states();
-    let energies = |factors| evaluate(&mut case(factors).reference(), &state).energies;
+    let energies = |factors| {
+        let mut case = case(factors);
+        for local in &mut case.avatar.tissue {
+            local.muscle = 0.25;
+        }
+        evaluate(&mut case.reference(), &state).energies
+    };
     let (plain, scaled) = (energies(TissueFactors::default()), energies(factors()));
     let f = factors();
+    let tense = 1.0 + 7.0 * f.tension * 0.25;
     for (name, plain, scaled, factor) in [
         ("inertia", plain.inertia, scaled.inertia, 1.0),
         ("gravity", plain.gravity, scaled.gravity, f.gravity),
-        ("elastic", plain.elastic, scaled.elastic, f.stiffness),
+        // All of the tissue is a quarter muscle here: 1 + 7 τ/4 times as stiff, the damping time its root shorter.
+        (
+            "elastic",
+            plain.elastic,
+            scaled.elastic,
+            f.stiffness * tense,
+        ),
         (
             "damping",
             plain.damping,
             scaled.damping,
-            f.stiffness * f.damping,
+            f.stiffness * f.damping * tense.sqrt(),
         ),
         ("contact", plain.contact, scaled.contact, 1.0),
         ("friction", plain.friction, scaled.friction, f.friction),
@@ -40,6 +54,51 @@ fn each_factor_multiplies_its_own_term() {
             "{name}: {scaled}, {plain}"
         );
     }
+}
+
+/// Tension stiffens muscle, each point by its own share, and leaves fat and the damping ratio as they are.
+#[test]
+fn tension_is_felt_by_the_share_of_muscle() {
+    let [_, _, state] = case(TissueFactors::default()).states();
+    let energies = |tension: f64, muscle: fn(usize) -> f64| {
+        let mut factors = TissueFactors::default();
+        factors.tension = tension;
+        let mut case = case(factors);
+        for (i, local) in case.avatar.tissue.iter_mut().enumerate() {
+            local.muscle = muscle(i);
+        }
+        evaluate(&mut case.reference(), &state).energies
+    };
+    let relaxed = energies(0.0, |_| 1.0);
+    assert_eq!(energies(1.0, |_| 0.0), relaxed);
+    let tense = energies(1.0, |_| 1.0);
+    assert!((tense.elastic - 8.0 * relaxed.elastic).abs() < 1e-12 * tense.elastic.abs());
+    let ratio = tense.damping / relaxed.damping;
+    assert!((ratio - 8f64.sqrt()).abs() < 1e-12, "{ratio}");
+    // Two halves of the points, each tense alone.
+    let [even, odd] = [
+        energies(1.0, |i| f64::from(i % 2 == 0)),
+        energies(1.0, |i| f64::from(i % 2 == 1)),
+    ];
+    let sum = even.elastic + odd.elastic - relaxed.elastic;
+    assert!((sum - tense.elastic).abs() < 1e-12 * tense.elastic.abs());
+    assert!((even.elastic - odd.elastic).abs() > 1e-3 * tense.elastic.abs());
+}
+
+#[test]
+fn bounce_sets_the_damping_of_tissue_that_was_baked_with_the_default() {
+    let damping = |bounce| TissueFactors::with_bounce(bounce).unwrap().damping;
+    assert_eq!(damping(DEFAULT_BOUNCE), 1.0);
+    for (bounce, ratio) in [(0.0, 1.0), (0.25, 0.4217), (0.5, 0.1778), (1.0, 0.0316)] {
+        let zeta = damping(bounce) * damping_ratio(DEFAULT_BOUNCE);
+        assert!((zeta - ratio).abs() < 1e-4, "{bounce}: {zeta}");
+    }
+    let mut factors = TissueFactors::default();
+    for bounce in [-1e-9, 1.1, f64::NAN, f64::INFINITY] {
+        let error = factors.set_bounce(bounce).unwrap_err().to_string();
+        assert!(error.contains("factors.bounce"), "{error}");
+    }
+    assert_eq!(factors, TissueFactors::default());
 }
 
 #[test]
@@ -96,7 +155,7 @@ fn unusable_factors_are_refused_by_name() {
     let case = case(TissueFactors::default());
     let [previous, current, _] = &case.states();
     let mut potential = case.reference();
-    let set: [Refused; 4] = [
+    let set: [Refused; 5] = [
         (
             "stiffness",
             |f| &mut f.stiffness,
@@ -116,6 +175,11 @@ fn unusable_factors_are_refused_by_name() {
             "friction",
             |f| &mut f.friction,
             &[-1.0, f64::NAN, f64::INFINITY],
+        ),
+        (
+            "tension",
+            |f| &mut f.tension,
+            &[-1e-9, 1.1, f64::NAN, f64::INFINITY],
         ),
     ];
     for (name, field, values) in set {

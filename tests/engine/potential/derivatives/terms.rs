@@ -115,7 +115,7 @@ fn geometric_terms_complete_the_hessian_of_contact() {
         let flat = k == 0;
         let mut case = cases().pop().unwrap();
         case.avatar.density = 1e-15;
-        case.avatar.damping_time = 0.0;
+        case.avatar.set_damping_time(0.0);
         case.avatar.material = soft(1e-15);
         case.tissue_gravity = DVec3::ZERO;
         case.colliders = carried(&mut Random::new(51), 3);

@@ -25,7 +25,8 @@ const PLACE: DVec3 = DVec3::new(1.0, 2.0, 3.0);
 struct Setup {
     density: f64,
     material: Material,
-    damping_time: f64,
+    /// Factor on the damping time of each point.
+    damping: f64,
     time_step: f64,
     tissue_gravity: DVec3,
     colliders: Vec<Collider>,
@@ -39,7 +40,7 @@ impl Default for Setup {
         Self {
             density: NONE,
             material: soft(NONE),
-            damping_time: 0.0,
+            damping: 0.0,
             time_step: 0.01,
             tissue_gravity: DVec3::ZERO,
             colliders: Vec::new(),
@@ -103,7 +104,7 @@ pub fn terms() -> Vec<Term> {
         term(
             "damping",
             Setup {
-                damping_time: 1e20,
+                damping: 1e20,
                 ..Setup::default()
             },
         ),
@@ -146,7 +147,7 @@ pub fn terms() -> Vec<Term> {
         Setup {
             density: 1e3,
             material: soft(3e4),
-            damping_time: 0.02,
+            damping: 2.0,
             tissue_gravity: gravity,
             colliders,
             ..Setup::default()
@@ -175,9 +176,12 @@ impl Tissue {
         let mut avatar = Avatar {
             density: setup.density,
             material: setup.material,
-            damping_time: setup.damping_time,
             ..random_avatar(3, 3, 6, 12, 60)
         };
+        // On each point's own.
+        for local in &mut avatar.tissue {
+            local.damping_time *= setup.damping;
+        }
         let mut colliders = setup.colliders;
         if setup.body {
             let body = avatar.skeleton.len() as u32;

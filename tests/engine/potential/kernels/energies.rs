@@ -3,7 +3,7 @@
 use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs};
 use super::contact::distances;
 use super::friction::{slid, smoothing};
-use super::material::Magnitudes;
+use super::material::{DAMPING_RATE, Magnitudes};
 use super::points::mat9;
 use super::scene::{GRAVITY, INERTIAL_STEP, Phase, Scene, vec};
 use super::{INSTANCE, INSTANCES};
@@ -45,7 +45,6 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
     let base_moved = scene.moved(phase, base);
     let start = scene.moved(phase, INSTANCE);
     let tangents: Vec<shared::Tangent> = scene.items(phase, "tangent", INSTANCE, set.len());
-    let rate = scene.damping_rate();
 
     let (mut want, mut magnitude) = ([0.0; 6], [0.0; 6]);
     let mut add = |term: usize, value: f64, size: f64| {
@@ -55,6 +54,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
     let mut roundings = 0;
     for i in 0..set.len() {
         let (weight, basis) = (set.measure[i], set.basis.row(i));
+        let rate = scene.damping_rate(i);
         let mass = scene.avatar.density * weight;
         let delta = vec(moved[i].displacement);
         let predicted = vec(start[i].displacement);
@@ -136,7 +136,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         got.friction,
     ];
     let mut out = Comparison::default();
-    let roundings = roundings + 6 + 1 + 6;
+    let roundings = roundings + DAMPING_RATE + 6 + 1 + 6;
     for k in 0..6 {
         out.number(f64::from(terms[k]), want[k], magnitude[k], roundings);
         if want[k] == 0.0 {

@@ -4,7 +4,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::internal::math::{Random, Rows};
 use supple::internal::random_avatar;
-use supple::material::{LocalTissue, Material, Orthotropic, StableNeoHookean};
+use supple::material::{FungNeoHookean, Material, Orthotropic, StableNeoHookean};
 use supple::model::{Avatar, BasisEntry, Frame, SkinWeight};
 
 fn single(x: f64) -> f64 {
@@ -17,7 +17,7 @@ fn single_vec(v: DVec3) -> DVec3 {
 
 /// Seeds whose avatars are of each material: a hundred a material.
 pub fn seeds(count: u64) -> Vec<u64> {
-    (0..2)
+    (0..3)
         .flat_map(|m| (1..=count).map(move |s| 100 * m + s))
         .collect()
 }
@@ -25,7 +25,11 @@ pub fn seeds(count: u64) -> Vec<u64> {
 /// How far out handles are: the farther, the more of the points are inverted and past the clamp, and the less a bound
 /// says of those that are not.
 pub fn reach(seed: u64) -> f64 {
-    if seed == 102 { 8.0 } else { 40.0 }
+    if [102, 202].contains(&seed) {
+        8.0
+    } else {
+        40.0
+    }
 }
 
 /// Compressible, so that terms of the volume do not hide those of the shape; saturating over the strains that occur.
@@ -36,7 +40,7 @@ fn material(seed: u64) -> Material {
             youngs_modulus,
             poissons_ratio,
         }),
-        _ => Material::Orthotropic(Orthotropic {
+        1 => Material::Orthotropic(Orthotropic {
             youngs_modulus,
             poissons_ratio,
             fibre_moduli: [5e3, 2e4, 1e4],
@@ -44,6 +48,20 @@ fn material(seed: u64) -> Material {
             saturation_rates: [0.25, 0.5, 1.0],
             saturation_limit: 1.5,
         }),
+        _ => {
+            // One is so steep that the exponent changes by more than ½ in a step.
+            let (stiffening, stiffening_limit) = match seed {
+                201 => (0.5, 1.0),
+                202 => (10.0, 4.0),
+                _ => (0.5, 2.0),
+            };
+            Material::FungNeoHookean(FungNeoHookean {
+                youngs_modulus,
+                poissons_ratio,
+                stiffening,
+                stiffening_limit,
+            })
+        }
     }
 }
 
@@ -53,10 +71,11 @@ pub const BODY: u32 = 5;
 /// A random avatar whose numbers are exact in f32, some points naming their bones in falling order.
 pub fn avatar(seed: u64) -> Avatar {
     let mut avatar = random_avatar(seed, 5, 9, 90, 150);
-    avatar.damping_time = 1.0 / 64.0;
     avatar.material = material(seed);
-    for LocalTissue { stiffness, .. } in &mut avatar.tissue {
-        *stiffness = single(*stiffness);
+    for local in &mut avatar.tissue {
+        local.stiffness = single(local.stiffness);
+        local.damping_time = single(local.damping_time);
+        local.muscle = single(local.muscle);
     }
     for joint in &mut avatar.skeleton.joints {
         *joint = single_vec(*joint);

@@ -2,7 +2,7 @@
 
 use super::INSTANCE;
 use super::bound::{Comparison, LENGTH, Outcome, QUOTIENT, abs, abs_cross};
-use super::material::Magnitudes;
+use super::material::{DAMPING_RATE, Magnitudes};
 use super::scene::{Phase, Scene, mat, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::displacement::{FrameMotion, position, unposed_displacement};
@@ -198,7 +198,7 @@ pub fn elasticity(scene: &Scene) -> Outcome {
             let abs_change = displacement_gradient(&abs_basis, &abs_all(&increment))
                 + displacement_gradient(&abs_basis, &abs_all(&drift));
             let start = mat9(&starts[i]);
-            let rate = scene.damping_rate();
+            let rate = scene.damping_rate(i);
             let damping = (slot != INSTANCE).then_some(Damping {
                 rate,
                 tangent: &start,
@@ -208,8 +208,9 @@ pub fn elasticity(scene: &Scene) -> Outcome {
             let magnitudes = Magnitudes::new(tissue, h, abs_h);
             clamped += usize::from(magnitudes.is_clamped());
             let want = stress(tissue, f, damping);
-            let (mut magnitude, roundings) = magnitudes.stress(basis.len());
+            let (mut magnitude, mut roundings) = magnitudes.stress(basis.len());
             if damping.is_some() {
+                roundings += DAMPING_RATE;
                 magnitude += rate * abs_contract(&start, abs_change);
             }
             out.matrix(mat(stresses[i]), want, magnitude, roundings);
@@ -219,8 +220,9 @@ pub fn elasticity(scene: &Scene) -> Outcome {
             }
             let want = tangent(tissue, f, damping, 1.0);
             let got = mat9(&tangents[i]);
-            let (mut magnitude, roundings) = magnitudes.tangent(basis.len());
+            let (mut magnitude, mut roundings) = magnitudes.tangent(basis.len());
             if damping.is_some() {
+                roundings += DAMPING_RATE;
                 let largest = start.iter().flatten().fold(0.0, |a: f64, c| a.max(c.abs()));
                 magnitude += rate * largest;
             }

@@ -113,6 +113,7 @@ pub fn factors() -> TissueFactors {
     let mut factors = TissueFactors::default();
     (factors.stiffness, factors.damping) = (1.25, 0.75);
     (factors.gravity, factors.friction) = (2.0, 0.5);
+    factors.tension = 0.25;
     factors
 }
 
@@ -265,16 +266,20 @@ impl Scene {
         Ok(())
     }
 
-    /// The tissue at cubature point `i`, with its factor.
+    /// The tissue at cubature point `i`, with its factors.
     pub fn tissue_at(&self, i: usize) -> MaterialPoint<'_> {
         let mut tissue = self.avatar.tissue_at(i);
-        tissue.local.stiffness *= factors().stiffness;
+        let (local, factors) = (&mut tissue.local, factors());
+        // (T − 1) τ
+        let tense = 1.0 + 7.0 * factors.tension * local.muscle;
+        local.stiffness *= factors.stiffness * tense;
+        local.damping_time /= tense.sqrt();
         tissue
     }
 
-    /// β/h̃, with its factor.
-    pub fn damping_rate(&self) -> f64 {
-        factors().damping * self.avatar.damping_time / INERTIAL_STEP
+    /// β/h̃ of cubature point `i`, with its factor.
+    pub fn damping_rate(&self, i: usize) -> f64 {
+        factors().damping / INERTIAL_STEP * self.tissue_at(i).local.damping_time
     }
 
     /// Items `[index · count, (index + 1) · count)` of a buffer.

@@ -3,7 +3,7 @@
 use super::avatars::{BALL, company, finger};
 use std::sync::Arc;
 use supple::collider::{Collider, Shape};
-use supple::glam::DVec3;
+use supple::glam::{DQuat, DVec3};
 use supple::internal::math::{Random, rotation_exp};
 use supple::material::{LocalTissue, Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, State, Surface};
@@ -99,23 +99,20 @@ impl Storm {
         let normal = self.random.rotation(3.0) * DVec3::X;
         let place = avatar.handles[self.random.index(avatar.handles.len())];
         let [soft, hard] = self.severity.stiffness;
-        let tissue = |x: DVec3| LocalTissue {
-            stiffness: if normal.dot(x - place) < 0.0 {
-                soft
-            } else {
-                hard
-            },
-            ..LocalTissue::default()
+        let stiffness = |x: DVec3| match normal.dot(x - place) < 0.0 {
+            true => soft,
+            false => hard,
         };
-        avatar.tissue = avatar
-            .cubature
-            .position
-            .iter()
-            .map(|x| tissue(*x))
-            .collect();
+        let map = |tissue: &mut Vec<LocalTissue>, places: Vec<DVec3>| {
+            tissue.resize(places.len(), LocalTissue::default());
+            for (local, x) in tissue.iter_mut().zip(places) {
+                (local.stiffness, local.axes) = (stiffness(x), DQuat::IDENTITY);
+            }
+        };
         let mesh = &avatar.layer.mesh;
-        let centroid = |t: &[u32; 4]| t.map(|n| mesh.nodes[n as usize]).iter().sum::<DVec3>() / 4.0;
-        avatar.layer.tissue = mesh.tets.iter().map(|t| tissue(centroid(t))).collect();
+        let centroids = (0..mesh.tets.len()).map(|t| mesh.centroid(t)).collect();
+        map(&mut avatar.layer.tissue, centroids);
+        map(&mut avatar.tissue, avatar.cubature.position.clone());
         avatar
     }
 

@@ -99,7 +99,7 @@ fn steps(count: usize, random: bool) -> Vec<f64> {
 fn halving_the_time_step_quarters_the_error() -> Result<()> {
     let mut avatar = support::full_space_limb(&SMALLER, 2, true);
     for (damping_time, youngs_modulus, bound) in [(0.0, 300.0, 3.5), (4e-3, 3e4, 3.0)] {
-        avatar.damping_time = damping_time;
+        avatar.set_damping_time(damping_time);
         // Where nothing damps them, the fastest swings of the mesh must be slow enough for the steps.
         avatar.material = Material::StableNeoHookean(StableNeoHookean {
             youngs_modulus,

@@ -48,7 +48,7 @@ fn a_swing_decays_by_its_damping_ratio_at_any_rate() -> Result<()> {
     assert!((mode.frequency - 4.0).abs() < 1e-3, "{} Hz", mode.frequency);
     let omega = 2.0 * PI * mode.frequency;
     for ratio in [0.1, 0.2] {
-        avatar.damping_time = ratio / (PI * mode.frequency);
+        avatar.set_damping_time(ratio / (PI * mode.frequency));
         for kind in ["250", "120", "90", "60", "30", "random", "hitches"] {
             let mut simulation = simulation(&avatar, Settings::default());
             let instance = &mut simulation.instances_mut()[0];
@@ -147,7 +147,7 @@ fn a_brake_swings_as_wide_at_any_rate() -> Result<()> {
     let (mut avatar, mode) = soft_limb(4.5)?;
     for (bounce, swings) in [(0.0, 1..=2), (0.5, 3..=5), (1.0, 9..=usize::MAX)] {
         let ratio = 10f64.powf(-1.5 * bounce);
-        avatar.damping_time = ratio / (PI * mode.frequency);
+        avatar.set_damping_time(ratio / (PI * mode.frequency));
         let (_, truth) = braked(&avatar, &mode, 1000.0)?;
         for rate in [144.0, 90.0, 60.0, 45.0, 30.0] {
             let (count, first) = braked(&avatar, &mode, rate)?;

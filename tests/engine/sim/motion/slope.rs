@@ -16,7 +16,7 @@ const FRICTION: f64 = 0.5;
 /// Speed along the slope after two seconds, m/s, from `speed`; the expected one; mean iterations.
 fn slides(degrees: f64, speed: f64, rate: f64) -> Result<(f64, f64, f64)> {
     let mut avatar = support::full_space_limb(&support::SMALL, 1, false);
-    avatar.damping_time = 0.01;
+    avatar.set_damping_time(0.01);
     let potential = CpuPotential::new(Arc::new(avatar.clone()), 1)?;
     let settings = Settings {
         time_step: 1.0 / rate,
