@@ -128,7 +128,7 @@ impl Newton {
                 let rising = states.zip(&self.rising).filter(|(_, rising)| **rising);
                 rising.for_each(|((state, fallback), _)| std::mem::swap(state, fallback));
             }
-            self.start_elsewhere(members, fallback, timings).await?;
+            self.start_elsewhere(members, timings).await?;
             self.find_rising();
         }
         Ok(())
@@ -150,7 +150,6 @@ impl Newton {
     async fn start_elsewhere<M: Members>(
         &mut self,
         members: &mut M,
-        fallback: bool,
         timings: &mut Timings,
     ) -> Result<()> {
         let (minimisations, systems) = (&self.minimisations, &self.systems);
@@ -163,7 +162,7 @@ impl Newton {
             let lower = self.iterates.energy(group) <= self.others.energy(group);
             for &i in group.iter().filter(|&&i| self.rising[i] && !lower) {
                 self.iterates.swap(i, &mut self.others);
-                self.minimisations[i].report.started_at_current = fallback;
+                self.minimisations[i].report.started_at_current = true;
             }
         }
         Ok(())

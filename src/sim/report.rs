@@ -66,7 +66,7 @@ pub struct InstanceReport {
     pub stop: Stop,
     /// Newton iterations made.
     pub iterations: usize,
-    /// Whether it started at qⁿ because the prediction raised the energy.
+    /// Whether it started with the tissue as it is at qⁿ, because the prediction raised the energy.
     pub started_at_current: bool,
     /// Newton's decrement −gᵀδ of the last iteration, J.
     pub decrement: f64,

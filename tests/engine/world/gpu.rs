@@ -4,7 +4,7 @@ use super::{contacts, limb, previous_skins, springs};
 use supple::collider::Shape;
 use supple::glam::{DVec3, Vec3};
 use supple::gpu::{AdapterChoice, GpuDevice};
-use supple::model::{Frame, RigidBody, State, UpAxis};
+use supple::model::{Frame, Integrator, RigidBody, State, UpAxis};
 use supple::sim::{Settings, SolverMode, SpringMode};
 use supple::world::{Backend, BodyId, InstanceId};
 use supple::{Result, World, wgpu};
@@ -143,7 +143,14 @@ fn two_assets_and_a_body_are_in_step_with_the_cpu() -> Result<()> {
 #[test]
 fn a_step_is_one_submission_and_one_readback_beside_the_skin() -> Result<()> {
     let gpu = device();
-    let (mut world, limbs, _) = box_between(on_gpu(&gpu))?;
+    let (world, limbs, _) = box_between(on_gpu(&gpu))?;
+    let paper = Settings {
+        integrator: Integrator::BackwardEuler,
+        solver: SolverMode::OneIteration,
+        report_at_end: true,
+        ..Settings::default()
+    };
+    let mut world = world.with_settings(paper)?;
     let traffic = |world: &mut World| -> Result<[u64; 2]> {
         world.step_blocking(0.01)?;
         let before = world.traffic();
@@ -161,6 +168,12 @@ fn a_step_is_one_submission_and_one_readback_beside_the_skin() -> Result<()> {
         world.instance_mut(limb)?.ragdoll(0.0)?;
     }
     assert_eq!(traffic(&mut world)?, [3 * 2, 3]);
+    // The default looks at E where the step leads, since something is near.
+    let mut world = world.with_settings(Settings {
+        report_at_end: true,
+        ..Settings::default()
+    })?;
+    assert_eq!(traffic(&mut world)?, [3 * 3, 3 * 2]);
     Ok(())
 }
 

@@ -33,7 +33,7 @@ fn the_bone_press_is_the_benchmark() {
     let scene = read_scene(Path::new(FOLDER).join("bone_press_s.toml")).unwrap();
     assert_eq!(scene.avatar.sample(), Some(Sample::LimbS));
     assert_eq!((scene.steps, scene.settings.time_step), (250, 0.01));
-    assert_eq!(scene.settings.solver, SolverMode::OneIteration);
+    assert_eq!(scene.settings.solver, SolverMode::BUDGETED);
     assert_eq!(scene.gravity(), DVec3::new(0.0, 0.0, -9.81));
     let ball = &scene.colliders[0];
     assert_eq!(*ball.shape, Shape::Sphere { radius: 0.03 });
@@ -85,7 +85,11 @@ fn what_is_wrong_is_named() {
         ("radius = 0.03", "radius = -0.03", "colliders[0].shape"),
         ("radius = 0.03", "radius = 0.03, colour = 3", "colour"),
         ("shape = \"sphere\"", "shape = \"cone\"", "cone"),
-        ("mode = \"one_iteration\"", "mode = \"magic\"", "magic"),
+        (
+            "time_step = 0.01",
+            "time_step = 0.01\nsolver = { mode = \"magic\" }",
+            "magic",
+        ),
         ("sample = \"limb_s\"", "", "needs exactly one of"),
         (
             "sample = \"limb_s\"",
