@@ -151,6 +151,7 @@ impl History {
             weights: derivative.inertial_weights(&self.derivatives),
             drift,
             step: derivative.step,
+            share: None,
         }
     }
 
@@ -162,6 +163,7 @@ impl History {
             weights: [-a1, 0.0, 0.0],
             drift: 0.0,
             step: self.derivatives[0].step,
+            share: None,
         }
     }
 

@@ -39,5 +39,5 @@ pub use spring_bones::{SpringBones, SpringChain, SpringCollider, SpringJoint};
 pub use state::{Space, State};
 pub use surface::Surface;
 pub use tet_mesh::TetMesh;
-pub use time_derivative::{InertialTarget, TimeDerivative};
+pub use time_derivative::{InertiaShare, InertialTarget, TimeDerivative};
 pub use up_axis::UpAxis;

@@ -78,6 +78,8 @@ pub struct InertialTarget<'a> {
     pub drift: f64,
     /// h̃, s.
     pub step: f64,
+    /// The part of the root's acceleration that is not felt.
+    pub share: Option<InertiaShare>,
 }
 
 impl<'a> InertialTarget<'a> {
@@ -88,6 +90,7 @@ impl<'a> InertialTarget<'a> {
             weights: [-1.0, 0.0, 0.0],
             drift: 0.0,
             step: time_step,
+            share: None,
         }
     }
 
@@ -97,13 +100,18 @@ impl<'a> InertialTarget<'a> {
         weights.filter(|(weight, _)| *weight != 0.0)
     }
 
-    /// Σ_{k≥1} c_k (A_j(qⁿ⁻ᵏ) − A_j(qⁿ)) of a frame A = \[R | c\] that stands at `current`.
+    /// Σ_{k≥1} c_k (A_j(qⁿ⁻ᵏ) − A_j(qⁿ)) of a frame A = \[R | c\] that stands at `current`, and what it is carried along.
     pub fn frame(&self, j: usize, current: &Frame) -> (DMat3, DVec3) {
         let mut sum = (DMat3::ZERO, DVec3::ZERO);
         for (weight, past) in self.terms() {
             let frame = &past.frames[j];
             sum.0 += (frame.rotation - current.rotation) * weight;
             sum.1 += (frame.position - current.position) * weight;
+        }
+        if let Some(share) = &self.share {
+            let (turn, shift) = share.of(current);
+            sum.0 += turn;
+            sum.1 += shift;
         }
         sum
     }
@@ -132,6 +140,60 @@ impl<'a> InertialTarget<'a> {
                 *handle += (past.handles[h] - current) * weight;
             }
         }
+    }
+}
+
+/// The share ι of the root's acceleration that all else ignores. With A_r = \[R_r | c_r\] and
+/// D = A_rⁿ⁺¹ − Σ_{k≥0} c_k A_rⁿ⁻ᵏ, what stands at x in the world is drawn to x̂ + ι D \[R_rⁿᵀ (x − c_rⁿ); 1\], as if it moved with
+/// the root, and a frame to Â + ι D \[R_rⁿᵀ R, R_rⁿᵀ (c − c_rⁿ)\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InertiaShare {
+    /// ι D R_rⁿᵀ of the rotations.
+    turn: DMat3,
+    /// ι D of the position, m.
+    shift: DVec3,
+    /// c_rⁿ, m.
+    root: DVec3,
+}
+
+impl InertiaShare {
+    /// Where the root goes to `end` in a step with this `target`: a share of at least `share`, and so much more that nothing
+    /// in `state` is left behind by more than `longest`, m; none where that is nothing.
+    pub(crate) fn new(
+        target: &InertialTarget<'_>,
+        state: &State,
+        end: &Frame,
+        share: f64,
+        longest: f64,
+    ) -> Option<Self> {
+        let root = state.frames.first()?;
+        let (turn, shift) = target.frame(0, root);
+        let all = Self {
+            turn: (end.rotation - root.rotation - turn) * root.rotation.transpose(),
+            shift: end.position - root.position - shift,
+            root: root.position,
+        };
+        let moved = state.frames.iter().map(|frame| all.of(frame).1.length());
+        let farthest = moved.fold(0.0, f64::max);
+        let share = if farthest > longest {
+            share.max(1.0 - longest / farthest)
+        } else {
+            share
+        };
+        (share > 0.0 && farthest > 0.0).then(|| Self {
+            turn: all.turn * share,
+            shift: all.shift * share,
+            ..all
+        })
+    }
+
+    /// What a frame that stands at `current` is carried along.
+    fn of(&self, current: &Frame) -> (DMat3, DVec3) {
+        let arm = current.position - self.root;
+        (
+            self.turn * current.rotation,
+            self.turn * arm + self.shift,
+        )
     }
 }
 

@@ -56,6 +56,9 @@ pub struct Instance {
     /// also where that loads the bones (a shape that was captured under gravity): such a shape keeps the sag that it has,
     /// whatever the factor.
     pub factors: TissueFactors,
+    /// ι, 0 to 1: the share of the root's acceleration that tissue and free bones ignore. With 1 a character that is moved about
+    /// as a whole does not swing at all. Only where the root is driven.
+    pub inertia_share: f64,
     /// What a host's own model of the pose adds to the skin's rest shape: in the steps that follow, and where it is drawn.
     pub pose_offsets: PoseOffsets,
     /// Which spring bones swing.
@@ -96,6 +99,7 @@ impl Instance {
             colliders: avatar.body_colliders().collect(),
             gravity: DVec3::new(0.0, 0.0, -9.81),
             factors: TissueFactors::default(),
+            inertia_share: 0.0,
             pose_offsets: PoseOffsets::default(),
             springs: SpringMode::default(),
             file_axes: avatar.standing(UpAxis::Z).rotation,
@@ -247,6 +251,11 @@ impl Instance {
             self.history.is_valid(),
             "history",
             "holds a time that is none",
+        )?;
+        check(
+            (0.0..=1.0).contains(&self.inertia_share),
+            "inertia_share",
+            "is not within 0 and 1",
         )?;
         check(self.gravity.is_finite(), "gravity", "is not finite")?;
         check(is_rotation(&self.file_axes), "file_axes", "is no rotation")?;

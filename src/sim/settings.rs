@@ -81,6 +81,9 @@ pub struct Settings {
     /// The longest step under [`Integrator::Bdf2`], s: a longer frame takes several. 17.5 ms for games; 8.75 ms for swings
     /// within 1 % of their frequency.
     pub longest_step: f64,
+    /// What of the root's acceleration is beyond this is not felt, m/s²: a host that puts a character elsewhere without a word
+    /// does not tear its tissue off. Only where the root is driven.
+    pub largest_acceleration: f64,
     /// How far a step minimises.
     pub solver: SolverMode,
     /// k of the springs that hold joints together, N/m; at most [`LARGEST_JOINT_STIFFNESS`].
@@ -112,6 +115,7 @@ impl Default for Settings {
             time_step: 0.01,
             integrator: Integrator::default(),
             longest_step: 0.0175,
+            largest_acceleration: 80.0,
             solver: SolverMode::BUDGETED,
             joint_stiffness: 1e6,
             bending_stiffness: 10.0,
@@ -128,6 +132,11 @@ impl Settings {
     pub fn validate(&self) -> Result<()> {
         positive("settings.time_step", self.time_step, "seconds")?;
         positive("settings.longest_step", self.longest_step, "seconds")?;
+        positive(
+            "settings.largest_acceleration",
+            self.largest_acceleration,
+            "m/s²",
+        )?;
         if !(0.0..=LARGEST_JOINT_STIFFNESS).contains(&self.joint_stiffness) {
             return Err(Error::invalid(
                 "settings.joint_stiffness",

@@ -209,6 +209,21 @@ impl Character {
         Ok(())
     }
 
+    /// The share of the root's acceleration that tissue ignores from the next step on, 0 to 1; 0 at first. With 1 a character
+    /// that is thrown about as a whole does not swing. Beyond
+    /// [`Settings::largest_acceleration`] nothing is felt anyway.
+    ///
+    /// # Errors
+    /// A share that is none.
+    pub fn set_inertia_share(&mut self, share: f64) -> Result<()> {
+        if !(0.0..=1.0).contains(&share) {
+            let problem = format!("{share} is not within 0 and 1");
+            return Err(Error::invalid("inertia_share", problem));
+        }
+        self.instance.inertia_share = share;
+        Ok(())
+    }
+
     /// Which spring bones swing from the next step on ([`Avatar::springs`]: hair, skirts, ears, tails). At first
     /// [`SpringMode::Free`]: a host whose matrices [`Character::follow_world`] takes has springs of its own. With
     /// [`SpringMode::All`] its matrices of them say where they are at rest, as those of [`Character::track_frames`] always do.

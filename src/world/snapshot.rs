@@ -95,6 +95,7 @@ impl From<StoredSettings> for Settings {
             time_step: stored.time_step,
             integrator: Integrator::BackwardEuler,
             longest_step: Settings::default().longest_step,
+            largest_acceleration: f64::MAX,
             solver: stored.converged.map_or(SolverMode::OneIteration, converged),
             joint_stiffness: stored.joint_stiffness,
             bending_stiffness: stored.bending_stiffness,
@@ -124,6 +125,7 @@ struct StoredState {
 struct StoredIntegration {
     bdf2: bool,
     longest_step: f64,
+    largest_acceleration: f64,
     /// Of the budgeted solver.
     budget: Option<usize>,
 }
@@ -132,6 +134,7 @@ struct StoredIntegration {
 #[derive(Serialize, Deserialize)]
 struct StoredHistory {
     history: History,
+    inertia_share: f64,
     earlier_targets: Vec<Frame>,
 }
 
@@ -220,6 +223,7 @@ impl Character {
         let instance = self.instance();
         StoredHistory {
             history: instance.history.clone(),
+            inertia_share: instance.inertia_share,
             earlier_targets: instance.targets.iter().map(|t| t.earlier).collect(),
         }
     }
@@ -250,6 +254,7 @@ impl Character {
                 let targets = instance.targets.iter_mut().zip(stored.earlier_targets);
                 targets.for_each(|(target, earlier)| target.earlier = earlier);
                 instance.history = stored.history;
+                instance.inertia_share = stored.inertia_share;
             }
             None => {
                 let spaces = (stored.previous.space(), instance.state.space());
@@ -316,6 +321,7 @@ impl World {
         let integration = StoredIntegration {
             bdf2: self.settings.integrator == Integrator::Bdf2,
             longest_step: self.settings.longest_step,
+            largest_acceleration: self.settings.largest_acceleration,
             budget: match self.settings.solver {
                 SolverMode::Budgeted { max_iterations } => Some(max_iterations),
                 _ => None,
@@ -353,6 +359,7 @@ impl World {
         let mut settings = Settings::from(world.settings);
         if let Some(stored) = read_optional::<StoredIntegration>(snapshot, INTEGRATION)? {
             settings.longest_step = stored.longest_step;
+            settings.largest_acceleration = stored.largest_acceleration;
             if stored.bdf2 {
                 settings.integrator = Integrator::Bdf2;
             }

@@ -54,6 +54,7 @@ fn bone_inertia_is_that_of_its_matter() {
         weights,
         drift: 0.3,
         step: TIME_STEP,
+        share: None,
     };
     let term = BoneInertia::new(0, &mass, &target, &current);
     let energy = |frame: &Frame| -> f64 {

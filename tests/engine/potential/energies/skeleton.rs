@@ -115,6 +115,7 @@ pub fn terms() -> Vec<Term> {
         weights: [-1.4, 0.0, 0.0],
         drift: 0.3,
         step: TIME_STEP,
+        share: None,
     });
     let far = frames(random, 1.5, 0.03);
     let term = |name: &str, rest: Option<Vec<Frame>>, make: &dyn Fn() -> Box<dyn FrameTerm>| {

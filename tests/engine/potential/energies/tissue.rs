@@ -211,6 +211,7 @@ impl Tissue {
                 weights: [-2.4, 0.9, -0.15],
                 drift: 0.3,
                 step: 0.7 * setup.time_step,
+                share: None,
             },
             current: &current,
             colliders: &colliders,

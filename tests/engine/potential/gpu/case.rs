@@ -85,6 +85,7 @@ pub fn start(case: &Case) -> StepStart<'_> {
             weights: [-2.4, 0.9, -0.15],
             drift: 0.3,
             step: 0.007,
+            share: None,
         },
         current: &case.current,
         colliders: &case.colliders,

@@ -138,6 +138,7 @@ pub fn inertia(past: &[State]) -> InertialTarget<'_> {
         weights: WEIGHTS,
         drift: 0.3,
         step: INERTIAL_STEP,
+        share: None,
     }
 }
 

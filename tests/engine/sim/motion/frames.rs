@@ -5,6 +5,8 @@ use crate::support;
 use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
+use supple::internal::cpu::min_det_f;
+use supple::internal::math::Random;
 use supple::model::{Frame, RigidBody};
 use supple::sim::Settings;
 
@@ -63,6 +65,47 @@ fn a_dropped_box_rests_whatever_the_frames() -> Result<()> {
             let still = heights.iter().all(|z| (z - half).abs() < 1e-4);
             assert!(still, "{long}, {short}: {heights:?}");
         }
+    }
+    Ok(())
+}
+
+/// What a share of 1 takes away: a root that is shaken at random and put 5 m elsewhere moves no tissue. Without a share the
+/// default's largest acceleration keeps such a jump from doing harm.
+#[test]
+fn a_root_that_jumps_does_no_harm() -> Result<()> {
+    let avatar = support::full_space_limb(&support::SMALL, 1, true);
+    for (share, bound) in [(1.0, 1e-6), (0.0, 0.03)] {
+        let mut simulation = simulation(&avatar, Settings::default());
+        let instance = &mut simulation.instances_mut()[0];
+        instance.gravity = DVec3::ZERO;
+        instance.inertia_share = share;
+        let start = instance.state.frames[0];
+        instance.pins.push(supple::sim::Pin {
+            bone: 0,
+            frame: start,
+        });
+        let random = &mut Random::new(4);
+        let mut place = start;
+        let (mut farthest, mut smallest) = (0.0f64, f64::MAX);
+        for step in 0..120 {
+            // Shaken only where nothing of that may be felt.
+            if share == 1.0 {
+                place = place.moved(random.vector(0.02), random.vector(0.1));
+            }
+            if step == 60 {
+                place.position += DVec3::new(3.0, 0.0, 4.0);
+            }
+            simulation.instances_mut()[0].pins[0].frame = place;
+            simulation.step_blocking()?;
+            let state = &simulation.instances()[0].state;
+            let longest = state.handles.iter().map(|h| h.length());
+            farthest = farthest.max(longest.fold(0.0, f64::max));
+            smallest = smallest.min(min_det_f(&avatar.layer, state));
+        }
+        println!("share {share}: {farthest:e} m, det F {smallest}");
+        assert!(farthest < bound, "share {share}: {farthest:e} m");
+        assert!(smallest > 0.3, "share {share}: det F {smallest}");
+        assert!(share == 1.0 || farthest > 1e-4, "it is not felt at all");
     }
     Ok(())
 }
