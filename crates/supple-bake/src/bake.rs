@@ -13,8 +13,9 @@ use crate::body::Body;
 use crate::bones::{BoneLoads, SpringReport, bone_masses, drop_bones, left_to_tissue, retain};
 use crate::cubature::{Cubature, Tissue};
 use crate::depth::{depth_per_bone, thin_places};
-use crate::handles::{Handles, Softness, automatic};
+use crate::handles::{HandleCandidates, Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
+use crate::sway::SwayProfile;
 use std::time::Instant;
 use supple::internal::math::Rows;
 use supple::model::{Avatar, PointSet, SoftLayer, SpringBones, TetMesh};
@@ -128,7 +129,15 @@ fn bake_phases(
         let system = "biharmonic basis";
         return Err(Error::Solve { system, problem });
     }
-    let (basis, truncation_cost) = recipe.truncation.rows(&columns, &tissue.nodal_volumes());
+    let on_skin = (regions.iter()).all(|region| region.candidates == HandleCandidates::Skin);
+    let keeps_sway = recipe.truncation.enabled && recipe.truncation.keep_sway.unwrap_or(on_skin);
+    let sway = match keeps_sway {
+        true => Some(SwayProfile::new(layer, &handles.constraints, &columns)?),
+        false => None,
+    };
+    let nodal_volumes = tissue.nodal_volumes();
+    let (basis, truncation_cost) =
+        (recipe.truncation).rows(&columns, &nodal_volumes, sway.as_ref());
     drop(columns);
 
     clock.start(3);

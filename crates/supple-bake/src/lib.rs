@@ -24,6 +24,7 @@ mod pose_extension;
 mod recipe;
 mod report;
 pub mod subspace;
+mod sway;
 
 pub use bake::{PHASES, Progress, bake};
 pub use basis::{BasisEnergy, BiharmonicSystem, Constraints, Truncation, biharmonic_energy};
@@ -43,6 +44,7 @@ pub use mesh::Mesher;
 pub use recipe::{CubatureRecipe, Recipe};
 pub use report::{AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport};
 pub use supple::{Error, Result};
+pub use sway::{RestSystem, full_compliance};
 
 #[cfg(test)]
 pub(crate) mod test_mesh;
