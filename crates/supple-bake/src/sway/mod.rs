@@ -4,4 +4,4 @@ mod profile;
 mod rest_system;
 
 pub(crate) use profile::SwayProfile;
-pub use rest_system::{RestSystem, full_compliance};
+pub use rest_system::{RestSystem, full_compliance, sway_frequency};

@@ -5,12 +5,25 @@
 //! ```
 //!
 //! over the cubature points i, C_i = ∂P/∂F at F = I: the method's H_hk and M_φφ at φ = 0.
+//!
+//! Bones that are accelerated by 1 m/s² along d make the tissue sway by u_d = K⁻¹ f_d, f_d = M d. Were that a mode, it would
+//! be u_d = d/ω² everywhere; a part of the tissue with the share s of each point has the frequency
+//!
+//! ```text
+//! ω² = Σ_i m_i s_i u_d·d / Σ_i m_i s_i |u_d|²        along the softest d
+//! ```
+//!
+//! which for all of it is Rayleigh's quotient uᵀ K u / uᵀ M u = Σ_k Γ_k²/ω_k² / Σ_k Γ_k²/ω_k⁴ with Γ_k = vₖᵀ f: of a plane layer
+//! within 1 % the mode with the largest share of uniform sway. Where a part's sway is spread over many modes of the body,
+//! it is their mean, and does not jump from one to the next as handles are added.
 
 use crate::math::{DenseFactor, SparseFactor};
 use crate::subspace::{lumped_mass, rest_stiffness};
 use glam::{DMat3, DVec3};
+use std::f64::consts::TAU;
 use supple::Result;
 use supple::internal::cpu::Basis;
+use supple::internal::math::symmetric_eigen;
 use supple::model::Avatar;
 
 /// K and M of the handles at rest.
@@ -58,6 +71,22 @@ impl RestSystem {
         }
     }
 
+    /// u of each handle, m, under 1 m/s² along x, y and z.
+    ///
+    /// # Errors
+    /// [`supple::Error::Solve`] where K is singular.
+    pub fn sway(&self) -> Result<[Vec<DVec3>; 3]> {
+        let factor = DenseFactor::new(&self.stiffness, "reduced tissue at rest")?;
+        Ok([DVec3::X, DVec3::Y, DVec3::Z].map(|d| {
+            let f: Vec<f64> = self.load.iter().flat_map(|m| (d * *m).to_array()).collect();
+            factor
+                .solve(&f)
+                .chunks_exact(3)
+                .map(DVec3::from_slice)
+                .collect()
+        }))
+    }
+
     /// fᵀ K⁻¹ f of the load f that an acceleration of 1 m/s² of the bones along `direction` is, J.
     ///
     /// # Errors
@@ -68,6 +97,32 @@ impl RestSystem {
             .flat_map(|m| (direction * *m).to_array())
             .collect();
         Ok(factor.solve(&f).iter().zip(&f).map(|(u, f)| u * f).sum())
+    }
+}
+
+/// ω/2π, Hz, of what sways by u under 1 m/s² along x, y and z: of (mass, u) of its points; 0 where nothing moves.
+pub fn sway_frequency(points: impl IntoIterator<Item = (f64, [DVec3; 3])>) -> f64 {
+    let (mut mean, mut square) = (DMat3::ZERO, DMat3::ZERO);
+    for (mass, u) in points {
+        let u = DMat3::from_cols(u[0], u[1], u[2]);
+        mean += mass * 0.5 * (u + u.transpose());
+        square += mass * (u.transpose() * u);
+    }
+    // The largest 1/ω² of B d = 1/ω² A d, A the mean and B the square, where A is positive.
+    let (values, vectors) = symmetric_eigen(mean);
+    let least = 1e-9 * values.max_element();
+    let roots = values.map(|a| {
+        if a > least.max(0.0) {
+            a.sqrt().recip()
+        } else {
+            0.0
+        }
+    });
+    let root = vectors * DMat3::from_diagonal(roots) * vectors.transpose();
+    let (squares, _) = symmetric_eigen(root * square * root);
+    match squares.max_element() {
+        most if most > 0.0 => most.sqrt().recip() / TAU,
+        _ => 0.0,
     }
 }
 
@@ -85,4 +140,22 @@ pub fn full_compliance(avatar: &Avatar) -> Result<[f64; 3]> {
         factor.solve(&f).iter().zip(&f).map(|(u, f)| u * f).sum()
     };
     Ok([along(0), along(1), along(2)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_softest_way_to_sway_is_the_first() {
+        // Springs of 4, 1 and 9 Hz along turned axes.
+        let turn = DMat3::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
+        let soft = DVec3::new(4.0, 1.0, 9.0).map(|f: f64| (TAU * f).powi(-2));
+        let u = turn * DMat3::from_diagonal(soft) * turn.transpose();
+        let point = |mass| (mass, [u.x_axis, u.y_axis, u.z_axis]);
+        let found = sway_frequency([point(2.0), point(0.5)]);
+        approx::assert_relative_eq!(found, 1.0, max_relative = 1e-12);
+        assert_eq!(sway_frequency([]), 0.0);
+        assert_eq!(sway_frequency([(1.0, [DVec3::ZERO; 3])]), 0.0);
+    }
 }
