@@ -16,9 +16,9 @@ const SOFT: f64 = 0.6;
 /// So many automatic handles at least and at most: 100 handles and 24 bones step in real time on one core.
 const HANDLES: (usize, usize) = (60, 100);
 
-/// How much denser handles stand on a person's breasts and buttocks: by depth alone the sample body has three on each, and
+/// How much denser handles stand on a person's breasts, belly, buttocks and calves: by depth alone the sample body has three on each, and
 /// a thigh nine.
-const DRAWN: f64 = 1.35;
+const DRAWN: f64 = 1.15;
 
 /// Where handles of a person are drawn to besides what is soft.
 pub(crate) fn drawn(body: &Body) -> Vec<f64> {
@@ -27,8 +27,8 @@ pub(crate) fn drawn(body: &Body) -> Vec<f64> {
     };
     let skin = body.skin.positions.iter().zip(body.skinning.iter());
     let at_vertex = |(place, bones): (&DVec3, &[SkinWeight])| {
-        let [breast, _, buttock, ..] = person.shares(*place, bones);
-        1.0 + (DRAWN - 1.0) * (breast + buttock)
+        let [breast, belly, buttock, _, calf] = person.shares(*place, bones);
+        1.0 + (DRAWN - 1.0) * (breast + belly + buttock + calf)
     };
     skin.map(at_vertex).collect()
 }
