@@ -28,6 +28,10 @@ use supple::{Error, Result};
 const PERSON: f64 = 750.0;
 /// The same of breasts, Pa.
 const BREAST: f64 = 300.0;
+/// b of a person's tissue: the sample body shaken by ±5 cm at 3 Hz, at the resonance of its breasts, moves by 51 mm at most with a
+/// smallest det F of 0.44; with 1, which a column of fat by itself has, by 76 mm and 0.15. People's breasts move by ±30 to ±55 mm
+/// in a run.
+const STIFFENING: f64 = 3.0;
 /// Poisson's ratio of a person's tissue.
 const POISSONS_RATIO: f64 = 0.4;
 /// β, s, of a material that the recipe names, where it says nothing of damping.
@@ -87,9 +91,10 @@ impl Regions {
         let of_person = recipe.material.is_none() && person.is_some();
         let material = match recipe.material {
             Some(material) => material,
-            None if of_person => {
-                Material::FungNeoHookean(FungNeoHookean::from_shear_modulus(PERSON, POISSONS_RATIO))
-            }
+            None if of_person => Material::FungNeoHookean(FungNeoHookean {
+                stiffening: STIFFENING,
+                ..FungNeoHookean::from_shear_modulus(PERSON, POISSONS_RATIO)
+            }),
             None => automatic::material(depth, recipe.density),
         };
         let shear_modulus = shear_modulus(&material);
