@@ -338,6 +338,7 @@ const LOOSE: Truncation = Truncation {
     enabled: true,
     below: 0.005,
     above: 0.02,
+    ..Truncation::OFF
 };
 
 fn kept(truncation: Truncation) -> &'static str {

@@ -34,6 +34,7 @@ const fn truncation(below: f64) -> Truncation {
         enabled: true,
         below,
         above: 3.0 * below,
+        ..Truncation::OFF
     }
 }
 

@@ -34,6 +34,7 @@ mod spectrum;
 mod spin;
 mod stability;
 mod static_poses;
+mod sway;
 mod table_1;
 mod uniaxial;
 mod walk;
@@ -80,4 +81,5 @@ pub const FIGURES: &[Figure] = &[
     bone_press::FIGURE,
     compression::FIGURE,
     elastic_extension::FIGURE,
+    sway::FIGURE,
 ];

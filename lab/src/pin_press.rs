@@ -117,6 +117,7 @@ fn finger(runner: &Runner) -> Result<Avatar> {
             enabled: true,
             below: 0.005,
             above: 0.02,
+            ..Truncation::OFF
         },
         ..Recipe::default()
     };

@@ -108,6 +108,7 @@ const LITTLE: Truncation = Truncation {
     enabled: true,
     below: 0.005,
     above: 0.02,
+    ..Truncation::OFF
 };
 
 /// What a user would take for the full space, %.

@@ -13,8 +13,10 @@ use crate::body::Body;
 use crate::bones::{BoneLoads, SpringReport, bone_masses, drop_bones, left_to_tissue, retain};
 use crate::cubature::{Cubature, Tissue};
 use crate::depth::{depth_per_bone, thin_places};
-use crate::handles::{Handles, Softness, automatic};
+use crate::handles::{HandleCandidates, Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
+use crate::softness::Regions;
+use crate::sway::SwayProfile;
 use std::time::Instant;
 use supple::internal::math::Rows;
 use supple::model::{Avatar, PointSet, SoftLayer, SpringBones, TetMesh};
@@ -106,7 +108,10 @@ fn bake_phases(
         field.skin_weights(&body.skinning, body.skeleton.len(), recipe.bones_per_point)?;
 
     clock.start(2);
-    let softness = Softness::of(body);
+    let mut softness = Softness::of(body);
+    if recipe.handles.is_empty() {
+        softness.drawn = automatic::drawn(body);
+    }
     let automatic = [automatic::handle_region(&softness)];
     let regions = if recipe.handles.is_empty() {
         &automatic[..]
@@ -128,11 +133,21 @@ fn bake_phases(
         let system = "biharmonic basis";
         return Err(Error::Solve { system, problem });
     }
-    let (basis, truncation_cost) = recipe.truncation.rows(&columns, &tissue.nodal_volumes());
+    let on_skin = (regions.iter()).all(|region| region.candidates == HandleCandidates::Skin);
+    let keeps_sway = recipe.truncation.enabled && recipe.truncation.keep_sway.unwrap_or(on_skin);
+    let sway = match keeps_sway {
+        true => Some(SwayProfile::new(layer, &handles.constraints, &columns)?),
+        false => None,
+    };
+    let nodal_volumes = tissue.nodal_volumes();
+    let (basis, truncation_cost) =
+        (recipe.truncation).rows(&columns, &nodal_volumes, sway.as_ref());
     drop(columns);
 
     clock.start(3);
-    let layer_tissue = local_tissue(body, &field, &node_skinning, recipe)?;
+    let (base, selected) = local_tissue(body, &field, &node_skinning, recipe)?;
+    let mut soft = Regions::new(body, recipe, &softness, &node_skinning, &selected)?;
+    let layer_tissue = soft.on(&base);
     let cubature = if recipe.cubature.all_tets {
         Cubature::all_tets(tissue)
     } else {
@@ -171,8 +186,7 @@ fn bake_phases(
     let loads = BoneLoads::of(body);
     let seconds = clock.finish();
 
-    let material =
-        (recipe.material).unwrap_or_else(|| automatic::material(&softness, recipe.density));
+    let material = soft.material;
     let mut skeleton = body.skeleton.clone();
     set_limits(&mut skeleton, &recipe.limits).map_err(of_recipe)?;
     let mut avatar = Avatar {
@@ -211,6 +225,7 @@ fn bake_phases(
         bodies: Vec::new(),
         body_slots: 0,
     };
+    soft.calibrate(&mut avatar, &cubature.tets, &base)?;
     let mut handle_report = HandleReport::new(
         body,
         &avatar.handles,
@@ -249,6 +264,7 @@ fn bake_phases(
         cubature: cubature.report,
         material,
         material_chosen: recipe.material.is_none(),
+        softness: soft.reports(),
         stiffness: stiffness_spread(&avatar),
         tissue_mass: avatar.tissue_mass(),
         bones,

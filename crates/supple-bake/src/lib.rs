@@ -23,11 +23,16 @@ pub mod mesh;
 mod pose_extension;
 mod recipe;
 mod report;
+mod softness;
 pub mod subspace;
+mod sway;
 
 pub use bake::{PHASES, Progress, bake};
 pub use basis::{BasisEnergy, BiharmonicSystem, Constraints, Truncation, biharmonic_energy};
-pub use body::{Attachment, Body, Joints, LayerMesh, Limb, ParametricModel, one_bone_body};
+pub use body::{
+    Attachment, Body, BodyPart, Finger, Joints, LayerMesh, Limb, ParametricModel, Part, Side,
+    body_parts, one_bone_body, plain_name, skeleton_parts,
+};
 pub use bones::{BoneMassReport, JointLimitKey, SpringReport, bone_masses, set_limits};
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
 pub use depth::ThinPlace;
@@ -42,7 +47,9 @@ pub use local_tissue::StiffnessRegion;
 pub use mesh::Mesher;
 pub use recipe::{CubatureRecipe, Recipe};
 pub use report::{AttachmentReport, BakeCost, BakeReport, BasisReport, HandleReport};
+pub use softness::{BodyRegion, RegionReport, SoftnessRegion};
 pub use supple::{Error, Result};
+pub use sway::{RestSystem, full_compliance, sway_frequency};
 
 #[cfg(test)]
 pub(crate) mod test_mesh;

@@ -50,7 +50,7 @@ impl StiffnessRegion {
     }
 }
 
-/// Stiffness, axes and damping of each tet of a meshed `body`.
+/// Stiffness and axes of each tet of a meshed `body`, and the share in it of each of the recipe's softness regions.
 ///
 /// # Errors
 /// [`Error::Invalid`] where a region names a bone or a map that is not there.
@@ -59,10 +59,24 @@ pub(crate) fn local_tissue(
     field: &InteriorField<'_>,
     node_skinning: &Rows<SkinWeight>,
     recipe: &Recipe,
-) -> Result<Vec<LocalTissue>> {
-    let regions = &recipe.stiffness;
+) -> Result<(Vec<LocalTissue>, Vec<Vec<f64>>)> {
     let layer = &body.layer;
-    let maps = painted_maps(body, regions)?;
+    let stiffness = recipe.stiffness.iter().enumerate();
+    let stiffness = stiffness.map(|(r, region)| Selection {
+        bones: &region.bones,
+        within: region.within,
+        painted: region.painted.as_deref(),
+        field: format!("recipe.stiffness[{r}]"),
+    });
+    let softness = recipe.softness.iter().enumerate();
+    let softness = softness.map(|(r, region)| Selection {
+        bones: &region.bones,
+        within: region.within,
+        painted: region.painted.as_deref(),
+        field: format!("recipe.softness[{r}]"),
+    });
+    let selections: Vec<Selection<'_>> = stiffness.chain(softness).collect();
+    let maps = painted_maps(body, &selections)?;
     let normals = body.skin.vertex_normals();
     let search = NearestPoint::new(&body.skin.positions);
     let nearest = par_map(layer.mesh.nodes.len(), |n| {
@@ -81,13 +95,11 @@ pub(crate) fn local_tissue(
         let nodes = layer.mesh.tets[t].iter();
         nodes.map(|&n| fields[k][n as usize]).sum::<f64>() / 4.0
     };
-    let shares = regions
-        .iter()
-        .enumerate()
-        .map(|(r, region)| Share::new(body, &maps, region, &format!("recipe.stiffness[{r}]")))
+    let shares = (selections.iter())
+        .map(|selection| Share::new(body, &maps, selection))
         .collect::<Result<Vec<_>>>()?;
     let along = bone_directions(&body.skeleton, body);
-    Ok(par_map(layer.mesh.tets.len(), |t| {
+    let of_tets = par_map(layer.mesh.tets.len(), |t| {
         let weights = layer.mesh.tets[t].map(|n| node_skinning.row(n as usize));
         let of_bones = |value: &dyn Fn(u32) -> f64| {
             let entries = weights.iter().flat_map(|row| row.iter());
@@ -96,25 +108,51 @@ pub(crate) fn local_tissue(
         let direction = DVec3::from_array(std::array::from_fn(|axis| {
             of_bones(&|bone| along[bone as usize][axis])
         }));
-        let exponents = shares.iter().map(|share| {
-            let map = share.map.map_or(1.0, |m| mean(3 + m, t));
-            let bones = share.bones.as_ref();
-            let bones = bones.map_or(1.0, |own| of_bones(&|b| f64::from(own.contains(&b))));
-            let inside = share.contains(layer.mesh.centroid(t));
-            f64::from(inside) * bones * map * share.log_scale
-        });
-        LocalTissue {
-            stiffness: exponents.sum::<f64>().exp(),
+        let shares: Vec<f64> = (shares.iter())
+            .map(|share| {
+                let map = share.map.map_or(1.0, |m| mean(3 + m, t));
+                let bones = share.bones.as_ref();
+                let bones = bones.map_or(1.0, |own| of_bones(&|b| f64::from(own.contains(&b))));
+                let inside = share.contains(layer.mesh.centroid(t));
+                f64::from(inside) * bones * map
+            })
+            .collect();
+        let exponents = recipe.stiffness.iter().zip(&shares);
+        let exponent: f64 = exponents
+            .map(|(region, share)| share * region.scale.ln())
+            .sum();
+        let tissue = LocalTissue {
+            stiffness: exponent.exp(),
             axes: axes(DVec3::new(mean(0, t), mean(1, t), mean(2, t)), direction),
-            damping_time: recipe.damping_time,
-            muscle: 0.0,
-        }
-    }))
+            ..LocalTissue::default()
+        };
+        (tissue, shares)
+    });
+    let (first, count) = (recipe.stiffness.len(), recipe.softness.len());
+    let of_region = |r: usize| {
+        let shares = of_tets
+            .iter()
+            .map(|(_, shares)| shares[first + r].clamp(0.0, 1.0));
+        shares.collect()
+    };
+    let selected = (0..count).map(of_region).collect();
+    Ok((
+        of_tets.into_iter().map(|(tissue, _)| tissue).collect(),
+        selected,
+    ))
+}
+
+/// Where a region of a recipe is.
+struct Selection<'a> {
+    bones: &'a [String],
+    within: Option<[[f64; 3]; 2]>,
+    painted: Option<&'a str>,
+    /// The region's name in errors.
+    field: String,
 }
 
 /// A region whose names are looked up.
 struct Share {
-    log_scale: f64,
     bones: Option<Vec<u32>>,
     within: Option<[DVec3; 2]>,
     /// Which of the painted maps.
@@ -122,22 +160,14 @@ struct Share {
 }
 
 impl Share {
-    fn new(
-        body: &Body,
-        maps: &[(&str, &[f64])],
-        region: &StiffnessRegion,
-        field: &str,
-    ) -> Result<Self> {
-        region.validate(field)?;
-        let bones = body
-            .skeleton
-            .named(&region.bones, &format!("{field}.bones"))?;
+    fn new(body: &Body, maps: &[(&str, &[f64])], selection: &Selection<'_>) -> Result<Self> {
+        let field = format!("{}.bones", selection.field);
+        let bones = body.skeleton.named(selection.bones, &field)?;
         Ok(Self {
-            log_scale: region.scale.ln(),
             bones: (!bones.is_empty()).then_some(bones),
-            within: region.within.map(|corners| corners.map(DVec3::from_array)),
-            map: (region.painted.as_ref())
-                .and_then(|name| maps.iter().position(|(known, _)| known == name)),
+            within: (selection.within).map(|corners| corners.map(DVec3::from_array)),
+            map: (selection.painted)
+                .and_then(|name| maps.iter().position(|(known, _)| *known == name)),
         })
     }
 
@@ -150,13 +180,13 @@ impl Share {
 /// Each map that a region names, once.
 fn painted_maps<'a>(
     body: &'a Body,
-    regions: &'a [StiffnessRegion],
+    selections: &[Selection<'a>],
 ) -> Result<Vec<(&'a str, &'a [f64])>> {
     let mut maps = BTreeMap::new();
-    for (r, region) in regions.iter().enumerate() {
-        if let Some(name) = &region.painted {
-            let map = body.painted_map(name, &format!("recipe.stiffness[{r}].painted"))?;
-            maps.insert(name.as_str(), map);
+    for selection in selections {
+        if let Some(name) = selection.painted {
+            let map = body.painted_map(name, &format!("{}.painted", selection.field))?;
+            maps.insert(name, map);
         }
     }
     Ok(maps.into_iter().collect())

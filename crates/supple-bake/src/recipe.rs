@@ -1,7 +1,8 @@
 //! What a bake is asked for.
 
 use super::{
-    BasisEnergy, CubatureMethod, HandleRegion, JointLimitKey, Mesher, StiffnessRegion, Truncation,
+    BasisEnergy, CubatureMethod, HandleRegion, JointLimitKey, Mesher, SoftnessRegion,
+    StiffnessRegion, Truncation,
 };
 use serde::{Deserialize, Serialize};
 use supple::material::Material;
@@ -11,15 +12,22 @@ use supple::{Error, Result};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Recipe {
-    /// What the tissue is made of. Without it a stable neo-Hookean tissue, as soft as makes a brisk shake (±5 cm at
-    /// 3 Hz) shear the layer's deep parts by some 20 % and move them by about 12 mm at most.
+    /// What the tissue is made of. Without it a person, whom the bones' names tell, has people's own: G = 750 Pa (breasts
+    /// 300), stiffening as Fung's exponential. Others have a stable neo-Hookean tissue, as soft as makes a brisk shake (±5 cm
+    /// at 3 Hz) shear the layer's deep parts by some 20 % and move them by about 12 mm at most.
     pub material: Option<Material>,
+    /// How soft regions are, and for how long they ring.
+    pub softness: Vec<SoftnessRegion>,
+    /// For how long all others ring: ζ = 10^(−1.5 bounce) of their first mode, from 0 (not at all) to 1. 0.5 where neither
+    /// it nor `damping_time` nor a material is given.
+    pub bounce: Option<f64>,
     /// Where the tissue is stiffer or softer than that.
     pub stiffness: Vec<StiffnessRegion>,
     /// Density of tissue and bones, kg/m³.
     pub density: f64,
-    /// Stiffness-proportional damping β, s.
-    pub damping_time: f64,
+    /// Stiffness-proportional damping β, s, the same everywhere, in place of what bounce gives; 0.002 where a material is
+    /// given and no bounce.
+    pub damping_time: Option<f64>,
     /// Whether the rest shape already sags under gravity, as a captured one does.
     pub captured_under_gravity: bool,
     /// Bones a cubature point or node may follow; the skin keeps all of its own.
@@ -69,9 +77,11 @@ impl Default for Recipe {
     fn default() -> Self {
         Self {
             material: None,
+            softness: Vec::new(),
+            bounce: None,
             stiffness: Vec::new(),
             density: 1000.0,
-            damping_time: 0.002,
+            damping_time: None,
             captured_under_gravity: true,
             bones_per_point: 4,
             mesher: Mesher::default(),
@@ -106,7 +116,9 @@ impl Recipe {
             "cubature.points_per_handle",
             "",
         )?;
-        if !(self.damping_time >= 0.0 && self.damping_time.is_finite()) {
+        crate::softness::validate(self)?;
+        let damping_time = self.damping_time.unwrap_or(0.0);
+        if !(damping_time >= 0.0 && damping_time.is_finite()) {
             return Err(Error::invalid(
                 "damping_time",
                 "must be zero or positive (s)",
@@ -166,7 +178,10 @@ mod tests {
             recipe.validate().unwrap_err().to_string()
         };
         assert!(broken(|r| r.density = f64::NAN).contains("density"));
-        assert!(broken(|r| r.damping_time = -1.0).contains("damping_time"));
+        assert!(broken(|r| r.damping_time = Some(-1.0)).contains("damping_time"));
+        assert!(broken(|r| r.bounce = Some(1.5)).contains("bounce"));
+        let both = broken(|r| (r.bounce, r.damping_time) = (Some(0.5), Some(0.01)));
+        assert!(both.contains("damping_time"));
         assert!(broken(|r| r.truncation.above = 0.01).contains("truncation"));
         assert!(broken(|r| r.bones_per_point = 0).contains("bones_per_point"));
     }

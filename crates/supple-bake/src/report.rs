@@ -6,6 +6,7 @@ use crate::cubature::CubatureReport;
 use crate::depth::ThinPlace;
 use crate::math::NearestPoint;
 use crate::mesh::MeshReport;
+use crate::softness::RegionReport;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use supple::material::Material;
@@ -45,7 +46,9 @@ pub struct BakeReport {
     pub material: Material,
     /// Whether the bake chose the material.
     pub material_chosen: bool,
-    /// Factor on its stiffness by the recipe's regions: least, mean over the volume, greatest, of the cubature points.
+    /// How soft its regions are.
+    pub softness: Vec<RegionReport>,
+    /// Factor on its stiffness by regions: least, mean over the volume, greatest, of the cubature points.
     pub stiffness: [f64; 3],
     /// Mass of the tissue, kg.
     pub tissue_mass: f64,

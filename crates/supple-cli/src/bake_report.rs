@@ -220,6 +220,14 @@ pub fn print_bake_report(r: &BakeReport) {
         ("cubature", cubature(&r.cubature)),
         ("material", format!("{}{}", r.material, chosen(r.material_chosen))),
     ]);
+    let softness: Vec<(String, String)> = (r.softness.iter())
+        .map(|region| (format!("  {}", region.name), region.to_string()))
+        .collect();
+    rows.extend(
+        softness
+            .iter()
+            .map(|(name, told)| (name.as_str(), told.clone())),
+    );
     let [least, mean, greatest] = r.stiffness;
     if least != greatest {
         rows.push((

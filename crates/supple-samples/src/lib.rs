@@ -19,7 +19,7 @@ mod walk;
 pub use body::{SampleBody, body};
 pub use finger::Finger;
 pub use hand::{SampleHand, grasp, hand};
-pub use sample::{PALM, SOFT, Sample, limb_recipe, map_of};
+pub use sample::{PALM, SOFT, Sample, SampleShape, limb_recipe, map_of};
 pub use supple_bake::Limb;
 pub use walk::walk;
 

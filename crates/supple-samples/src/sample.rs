@@ -25,6 +25,28 @@ pub enum Sample {
     LimbM,
 }
 
+/// A shape of [`Sample::Body`] by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SampleShape {
+    /// The mean: breasts and belly of hardly any depth of their own.
+    Mean,
+    /// Large breasts, a belly and broad hips: what swings most on people.
+    Full,
+}
+
+impl SampleShape {
+    /// Amounts of the body's shape directions.
+    pub fn betas(self) -> &'static [f64] {
+        match self {
+            Self::Mean => &[],
+            // Weight, breasts, belly, in standard deviations. More of the breasts alone would make them less deep: a shell is
+            // as deep as half the way to what faces away.
+            Self::Full => &[0.0, 2.4, 0.0, 0.0, 0.3, 0.5],
+        }
+    }
+}
+
 impl Sample {
     /// The body and its own recipe.
     pub fn body(self) -> Result<(Body, Recipe)> {

@@ -6,8 +6,8 @@ mod held_nodes;
 mod points;
 mod truncation;
 
-pub(crate) use biharmonic::scatter;
 pub use biharmonic::{BiharmonicSystem, Constraints};
+pub(crate) use biharmonic::{gather, scatter};
 pub(crate) use biharmonic_energy::interior_faces;
 pub use biharmonic_energy::{BasisEnergy, biharmonic_energy};
 pub(crate) use held_nodes::{HeldNodes, Role};

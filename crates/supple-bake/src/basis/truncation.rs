@@ -1,5 +1,6 @@
 //! Truncation of the basis: a point then has four or five handles, and the Hessian is sparse.
 
+use crate::sway::SwayProfile;
 use serde::{Deserialize, Serialize};
 use supple::internal::math::Rows;
 
@@ -13,6 +14,11 @@ pub struct Truncation {
     pub below: f64,
     /// Values above this stay as they are.
     pub above: f64,
+    /// Whether what is left of each row is scaled so that the tissue sways on its bones as far as it would with every
+    /// node free, which truncation stiffens. Not said: where all handles stand on the skin. Handles in the volume
+    /// follow the depth themselves, and dense ones press better without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_sway: Option<bool>,
 }
 
 impl Default for Truncation {
@@ -21,6 +27,7 @@ impl Default for Truncation {
             enabled: true,
             below: 0.03,
             above: 0.1,
+            keep_sway: None,
         }
     }
 }
@@ -31,6 +38,7 @@ impl Truncation {
         enabled: false,
         below: 0.03,
         above: 0.1,
+        keep_sway: None,
     };
 
     /// The truncated value: u · s(t), s(t) = t²(3 − 2t), t = (|u| − below)/(above − below) in 0..1.
@@ -43,8 +51,13 @@ impl Truncation {
     }
 
     /// Truncates `columns` (one a handle, one value a node) into rows (one a node, handles rising),
-    /// and measures the cost: the relative change √(Σ m (u' − u)² / Σ m u²), m the nodal measure.
-    pub fn rows(&self, columns: &[Vec<f64>], measure: &[f64]) -> (Rows<(u32, f64)>, f64) {
+    /// and measures the cost: the relative change √(Σ m (u' − u)² / Σ m u²), m the nodal measure. Then rows keep `sway`.
+    pub(crate) fn rows(
+        &self,
+        columns: &[Vec<f64>],
+        measure: &[f64],
+        sway: Option<&SwayProfile>,
+    ) -> (Rows<(u32, f64)>, f64) {
         let (mut changed, mut whole) = (0.0, 0.0);
         let mut rows = Rows::default();
         for (node, m) in measure.iter().enumerate() {
@@ -56,6 +69,10 @@ impl Truncation {
                 if kept != 0.0 {
                     row.push((handle as u32, kept));
                 }
+            }
+            if let Some(sway) = sway {
+                let scale = sway.scale(node, &row);
+                row.iter_mut().for_each(|(_, u)| *u *= scale);
             }
             rows.push(row);
         }
@@ -92,11 +109,11 @@ mod tests {
     #[test]
     fn cost_is_the_relative_change() {
         let columns = vec![vec![0.5, 0.02], vec![0.0, 0.9]];
-        let (rows, cost) = Truncation::default().rows(&columns, &[2.0, 2.0]);
+        let (rows, cost) = Truncation::default().rows(&columns, &[2.0, 2.0], None);
         assert_eq!(rows.row(0), [(0, 0.5)]);
         assert_eq!(rows.row(1), [(1, 0.9)]);
         let expected = 0.02 / (0.25f64 + 0.02 * 0.02 + 0.81).sqrt();
         assert!((cost - expected).abs() < 1e-15);
-        assert_eq!(Truncation::OFF.rows(&columns, &[2.0, 2.0]).1, 0.0);
+        assert_eq!(Truncation::OFF.rows(&columns, &[2.0, 2.0], None).1, 0.0);
     }
 }

@@ -64,7 +64,7 @@ pub(crate) fn candidates(
         let soft = match region.soft {
             0.0 => 1.0,
             _ if s < STIFF => 0.0,
-            power => s.powf(power),
+            power => s.powf(power) * softness.drawn.get(v as usize).unwrap_or(&1.0),
         };
         soft * painted.map_or(1.0, |map| map[v as usize].max(0.0))
     };

@@ -11,3 +11,4 @@ mod softness;
 pub use handles::{HandleCandidates, HandleRegion, Handles};
 pub use sampling::{Density, farthest_points, weighted_farthest_points};
 pub use softness::Softness;
+pub(crate) use softness::upper_quantile;

@@ -27,6 +27,8 @@ pub struct Softness {
     /// ∫ softness² dA over what is not stiff, m²: the area that handles share, since their spacing goes
     /// with 1/softness.
     pub soft_area: f64,
+    /// How much denser soft handles stand over each skin vertex than by its softness alone; none where nowhere.
+    pub drawn: Vec<f64>,
 }
 
 impl Softness {
@@ -59,12 +61,13 @@ impl Softness {
             deep,
             softness,
             soft_area,
+            drawn: Vec::new(),
         }
     }
 }
 
 /// The value that `share` of the weight lies above.
-fn upper_quantile(values: &[f64], weights: &[f64], share: f64) -> f64 {
+pub(crate) fn upper_quantile(values: &[f64], weights: &[f64], share: f64) -> f64 {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
     let wanted = share * weights.iter().sum::<f64>();

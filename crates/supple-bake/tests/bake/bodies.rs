@@ -6,7 +6,7 @@ use supple::model::Avatar;
 use supple_bake::math::NearestPoint;
 use supple_bake::{BakeReport, Body, Recipe, ThinPlace, bake};
 use supple_files::read_character;
-use supple_samples::Sample;
+use supple_samples::{Sample, SampleShape};
 
 fn baked(body: &Body, recipe: &Recipe) -> (Avatar, BakeReport) {
     bake(body, recipe, &mut |_| {}).unwrap()
@@ -105,11 +105,35 @@ impl<'a> Person<'a> {
 #[test]
 fn the_sample_body_has_like_halves_by_its_own_recipe_and_without_one() {
     let (body, recipe) = Sample::Body.body().unwrap();
-    for (recipe, least) in [(recipe, 4), (Recipe::default(), 3)] {
+    for (recipe, least) in [(recipe, 4), (Recipe::default(), 4)] {
         let (avatar, report) = baked(&body, &recipe);
         Person::new(&body).check(&avatar, &report, least);
         assert_eq!(report.thin_places, []);
     }
+}
+
+/// The shape for motion: its breasts and belly are deeper than the mean's, and sound.
+#[test]
+fn the_full_shape_has_deep_breasts_and_a_belly() {
+    let baked_shape = |shape: SampleShape| {
+        let (body, _) = Sample::Body.shaped(shape.betas()).unwrap();
+        let (avatar, report) = baked(&body, &Recipe::default());
+        (body, avatar, report)
+    };
+    let (_, _, mean) = baked_shape(SampleShape::Mean);
+    let (body, avatar, full) = baked_shape(SampleShape::Full);
+    Person::new(&body).check(&avatar, &full, 4);
+    let depth = |report: &BakeReport, name: &str| {
+        let found = report.softness.iter().find(|r| r.name == name);
+        let region = found.unwrap();
+        println!("{name}: {region}");
+        region.depth
+    };
+    for part in ["breast", "belly"] {
+        let (deep, usual) = (depth(&full, part), depth(&mean, part));
+        assert!(deep > 1.1 * usual && deep > 0.055, "{part}: {deep} {usual}");
+    }
+    assert_eq!(full.mesh.skin, mean.mesh.skin);
 }
 
 /// Its nipples were the tips of cones without tissue; its breasts had no handle.

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use supple::glam;
 use supple::internal::math::Random;
 use supple::model::Avatar;
-use supple_bake::{HandleCandidates, Recipe, StiffnessRegion, all_tets};
+use supple_bake::{HandleCandidates, Recipe, StiffnessRegion, Truncation, all_tets};
 use supple_samples::Limb;
 
 /// ½ Σ_i w_i s_i |Σ_h φ_h ∇U_hᵀ|², with the weights and points of `avatar` and the stiffness s of `map`'s points.
@@ -27,7 +27,14 @@ fn energy(avatar: &Avatar, map: &Avatar, phi: &[DVec3]) -> f64 {
 #[test]
 fn weights_that_know_the_stiffness_give_the_energy_of_stiff_and_soft_tissue() {
     let body = Limb::S.body().unwrap();
-    let even = recipe(HandleCandidates::Skin, 40);
+    let even = Recipe {
+        // Rows that keep the sway have slopes at the bone that so few points miss by as much as the map is worth.
+        truncation: Truncation {
+            keep_sway: Some(false),
+            ..Truncation::default()
+        },
+        ..recipe(HandleCandidates::Skin, 40)
+    };
     let depth = 0.028;
     let core: StiffnessRegion = toml::from_str("scale = 10.0").unwrap();
     let mapped = Recipe {

@@ -10,6 +10,7 @@ mod large;
 mod lattice;
 mod limb;
 mod meshing;
+mod softness;
 #[path = "../../../supple-samples/src/tests/surface.rs"]
 mod surface;
 mod tissue;

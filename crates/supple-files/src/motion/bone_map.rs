@@ -1,10 +1,10 @@
 //! Which bone of a motion drives which bone of an avatar.
 
-use super::names::{BodyPart, Part, Side, body_parts, plain};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use supple::model::Skeleton;
 use supple::{Error, Result};
+use supple_bake::{BodyPart, Part, Side, body_parts, plain_name, skeleton_parts};
 
 /// Pairs of bones, and what is left over.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,7 +86,7 @@ impl BoneMap {
                 map.pair(s, t);
             }
         }
-        let spelt = |names: &[String]| names.iter().map(|n| plain(n)).collect::<Vec<_>>();
+        let spelt = |names: &[String]| names.iter().map(|n| plain_name(n)).collect::<Vec<_>>();
         let (source_spelt, target_spelt) = (spelt(source), spelt(target));
         let unknown = |s: usize, t: usize| from[s].is_none() || to[t].is_none();
         for s in (0..source.len()).filter(free) {
@@ -158,7 +158,7 @@ impl Builder {
 /// The bone called `name`, exactly or but for case and separators.
 fn find(names: &[String], name: &str, whose: &str) -> Result<usize> {
     let exact = names.iter().position(|n| n == name);
-    let alike = || names.iter().position(|n| plain(n) == plain(name));
+    let alike = || names.iter().position(|n| plain_name(n) == plain_name(name));
     exact.or_else(alike).ok_or_else(|| {
         let problem = format!(
             "the {whose} has no bone {name:?}; it has {}",
@@ -166,18 +166,6 @@ fn find(names: &[String], name: &str, whose: &str) -> Result<usize> {
         );
         Error::invalid("map", problem)
     })
-}
-
-/// What the bones of `skeleton` are: its aliases (a VRM file's own word for it) go before its names.
-pub(super) fn skeleton_parts(skeleton: &Skeleton) -> Vec<Option<BodyPart>> {
-    let mut parts = body_parts(&skeleton.names);
-    let aliases: Vec<String> = skeleton.aliases.iter().map(|a| a.0.clone()).collect();
-    for ((_, bone), part) in skeleton.aliases.iter().zip(body_parts(&aliases)) {
-        if let (Some(slot), Some(part)) = (parts.get_mut(*bone as usize), part) {
-            *slot = Some(part);
-        }
-    }
-    parts
 }
 
 type Parts = Vec<Option<BodyPart>>;

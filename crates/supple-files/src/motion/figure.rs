@@ -1,7 +1,7 @@
 //! Whether a rest pose is a figure: a person that stands in it.
 
-use super::names::{BodyPart, Part, Side, body_parts};
 use glam::DVec3;
+use supple_bake::{BodyPart, Part, Side, body_parts};
 
 /// Greatest cosine between a leg and the trunk: legs go the other way, or at least aside.
 const LEG: f64 = 0.25;

@@ -1,10 +1,10 @@
 //! Left and right exchanged: reflected across x = 0.
 
-use super::names::body_parts;
 use super::pose::{BonePose, BonePoses, PoseHeader};
 use crate::motion::motion_clip::{MotionClip, MotionFrame};
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
+use supple_bake::body_parts;
 
 const ACROSS: DVec3 = DVec3::new(-1.0, 1.0, 1.0);
 

@@ -2,11 +2,11 @@
 
 use super::fit::{Rule, Seen, best_rotation, fit_rotations, snapped};
 use super::ground::GroundMove;
-use super::names::Part;
 use super::pose::BonePose;
 use super::retarget::Retarget;
 use glam::{DMat3, DVec3};
 use supple::model::Frame;
+use supple_bake::Part;
 
 /// The trunk keeps the avatar's own posture where the clip's is on average within so many degrees of it: people's
 /// backs differ, and a back bent farther is bent.

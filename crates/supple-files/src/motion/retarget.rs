@@ -1,13 +1,13 @@
 //! Poses of one skeleton on another.
 
-use super::bone_map::{BoneMap, skeleton_parts};
+use super::bone_map::BoneMap;
 use super::fit::{Rule, Seen, best_rotation, fit_rotations, snapped, swing};
-use super::names::{BodyPart, Finger, Part, body_parts};
 use super::pose::BonePose;
 use super::retarget_options::{Align, RetargetOptions, SourceSkeleton};
 use glam::{DMat3, DVec3};
 use supple::model::{Frame, Skeleton, UpAxis};
 use supple::{Error, Result};
+use supple_bake::{BodyPart, Finger, Part, body_parts, skeleton_parts};
 
 /// Poses of one skeleton on another.
 ///

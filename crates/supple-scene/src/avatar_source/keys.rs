@@ -8,7 +8,7 @@ use supple::model::UpAxis;
 use supple::{Error, Result};
 use supple_bake::Recipe;
 use supple_files::PartNames;
-use supple_samples::Sample;
+use supple_samples::{Sample, SampleShape};
 
 /// An avatar's source: exactly one of `file`, `recipe`, `sample`, `mesh` and `model`, but `mesh` may go with `model`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -25,9 +25,9 @@ pub(super) struct Keys {
     pub mesh: Option<PathBuf>,
     /// A character file of any kind that [`supple_files::read_character`] knows.
     pub model: Option<PathBuf>,
-    /// Shape parameters of `model`, in the file's order, or of the sample body.
-    #[serde(alias = "shape", skip_serializing_if = "Vec::is_empty")]
-    pub betas: Vec<f64>,
+    /// Shape parameters of `model`, in the file's order, or of the sample body, which has a shape by name too.
+    #[serde(alias = "shape", skip_serializing_if = "Shape::is_mean")]
+    pub betas: Shape,
     /// A motion (`.npz`, AMASS) whose person's shape the SMPL file `model` takes, in place of `betas`.
     pub betas_of: Option<PathBuf>,
     /// Closed bone surfaces for `model`: OBJ objects with its bones' names.
@@ -52,6 +52,35 @@ pub(super) struct Keys {
     pub up: Option<UpAxis>,
     /// How it is baked; each sample has its own default.
     pub bake: Option<Recipe>,
+}
+
+/// A shape: amounts of a model's directions, or the name of one of the sample body's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a list of amounts, or \"mean\" or \"full\"")]
+pub(super) enum Shape {
+    /// In the file's order.
+    Amounts(Vec<f64>),
+    /// Of the sample body.
+    Named(SampleShape),
+}
+
+impl Default for Shape {
+    fn default() -> Self {
+        Self::Amounts(Vec::new())
+    }
+}
+
+impl Shape {
+    fn is_mean(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn amounts(self) -> Vec<f64> {
+        match self {
+            Self::Amounts(amounts) => amounts,
+            Self::Named(shape) => shape.betas().to_vec(),
+        }
+    }
 }
 
 impl Keys {
@@ -80,7 +109,7 @@ impl Keys {
             ("bones", self.bones.is_some()),
             (
                 "betas",
-                !self.betas.is_empty() && self.sample != Some(Sample::Body),
+                !self.betas.is_mean() && self.sample != Some(Sample::Body),
             ),
             ("betas_of", self.betas_of.is_some()),
             ("painted", !self.painted.is_empty()),
@@ -91,7 +120,11 @@ impl Keys {
             let problem = "belongs to a model: name one";
             return Err(Error::invalid(format!("avatar.{key}"), problem));
         }
-        if self.betas_of.is_some() && !self.betas.is_empty() {
+        if self.model.is_some() && matches!(self.betas, Shape::Named(_)) {
+            let problem = "is the sample body's by name; a model's is a list of amounts";
+            return Err(Error::invalid("avatar.shape", problem));
+        }
+        if self.betas_of.is_some() && !self.betas.is_mean() {
             let problem = "is one shape, and betas are another: leave one out";
             return Err(Error::invalid("avatar.betas_of", problem));
         }
@@ -138,6 +171,7 @@ impl TryFrom<Keys> for AvatarSource {
             up,
             bake,
         } = keys;
+        let betas = betas.amounts();
         let from = match (file, recipe, sample, model, mesh) {
             (Some(file), ..) => return Ok(Self::Baked(file)),
             (_, Some(recipe), ..) => return Ok(Self::Recipe(recipe)),
@@ -184,12 +218,12 @@ impl From<AvatarSource> for Keys {
         let keys = match body.from {
             BodyOrigin::Sample { sample, betas } => Self {
                 sample: Some(sample),
-                betas,
+                betas: Shape::Amounts(betas),
                 ..Self::default()
             },
             BodyOrigin::Character(c) => Self {
                 model: Some(c.model),
-                betas: c.betas,
+                betas: Shape::Amounts(c.betas),
                 betas_of: c.betas_of,
                 bones: c.bones,
                 mesh: c.mesh,

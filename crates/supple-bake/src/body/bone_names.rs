@@ -2,6 +2,7 @@
 //! WebXR's conventions.
 
 use serde::{Deserialize, Serialize};
+use supple::model::Skeleton;
 
 /// Which side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -106,7 +107,7 @@ fn words(name: &str) -> Vec<String> {
 }
 
 /// The name without what separates its words, in lower case: `Left_Up-Leg` and `leftUpLeg` are alike.
-pub(super) fn plain(name: &str) -> String {
+pub fn plain_name(name: &str) -> String {
     words(name).concat()
 }
 
@@ -182,6 +183,18 @@ impl Spelling {
         };
         Some(Part::Finger(finger, level))
     }
+}
+
+/// What the bones of `skeleton` are: its aliases (a VRM file's own word for it) go before its names.
+pub fn skeleton_parts(skeleton: &Skeleton) -> Vec<Option<BodyPart>> {
+    let mut parts = body_parts(&skeleton.names);
+    let aliases: Vec<String> = skeleton.aliases.iter().map(|a| a.0.clone()).collect();
+    for ((_, bone), part) in skeleton.aliases.iter().zip(body_parts(&aliases)) {
+        if let (Some(slot), Some(part)) = (parts.get_mut(*bone as usize), part) {
+            *slot = Some(part);
+        }
+    }
+    parts
 }
 
 /// What each of a skeleton's bones is; `None` where the name does not tell. Names are judged together,
