@@ -57,7 +57,7 @@ pub struct Instance {
     /// whatever the factor.
     pub factors: TissueFactors,
     /// ι, 0 to 1: the share of the root's acceleration that tissue and free bones ignore. With 1 a character that is moved about
-    /// as a whole does not swing at all. Only where the root is driven.
+    /// as a whole does not swing at all. Only where the root is prescribed.
     pub inertia_share: f64,
     /// What a host's own model of the pose adds to the skin's rest shape: in the steps that follow, and where it is drawn.
     pub pose_offsets: PoseOffsets,

@@ -74,6 +74,15 @@ impl Iterates {
         Ok(())
     }
 
+    /// Takes the memory that evaluations of `other`'s took, so that none is taken when it is needed.
+    pub fn make_room_like(&mut self, other: &Self) {
+        for (own, other) in self.evaluations.iter_mut().zip(&other.evaluations) {
+            if own.gradient.is_empty() && !other.gradient.is_empty() {
+                own.clone_from(other);
+            }
+        }
+    }
+
     /// E(q) − E(qⁿ) of a group's members together.
     pub fn energy(&self, members: &[usize]) -> f64 {
         let energy =

@@ -118,6 +118,7 @@ impl Newton {
     /// the lowest.
     async fn start<M: Members>(&mut self, members: &mut M, timings: &mut Timings) -> Result<()> {
         self.evaluate(members, timings).await?;
+        self.others.make_room_like(&self.iterates);
         self.find_rising();
         for fallback in [false, true] {
             if !self.rising.contains(&true) {

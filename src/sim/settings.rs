@@ -82,7 +82,7 @@ pub struct Settings {
     /// within 1 % of their frequency.
     pub longest_step: f64,
     /// What of the root's acceleration is beyond this is not felt, m/s²: a host that puts a character elsewhere without a word
-    /// does not tear its tissue off. Only where the root is driven.
+    /// does not tear its tissue off. Only where the root is prescribed.
     pub largest_acceleration: f64,
     /// How far a step minimises.
     pub solver: SolverMode,

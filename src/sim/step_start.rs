@@ -13,13 +13,18 @@ const SLOWEST_FRAME: f64 = 1.0 / 30.0;
 /// Where inertia draws to in the next step of an instance.
 pub(super) fn target<'a>(settings: &Settings, instance: &'a Instance) -> InertialTarget<'a> {
     let target = (instance.history).target(settings.integrator, settings.time_step);
-    let end = (instance.pin_of(0).map(|pin| pin.frame))
-        .or_else(|| instance.target_of(0).map(|target| target.frame));
-    let share = end.and_then(|end| {
+    // Of a root that springs draw nobody knows where it goes.
+    let share = instance.pin_of(0).and_then(|pin| {
         // Steps within a frame have its acceleration all at once, where one frame's even motion goes over into the next one's.
         let h = settings.time_step;
         let longest = settings.largest_acceleration * h * h.max(SLOWEST_FRAME);
-        InertiaShare::new(&target, &instance.state, &end, instance.inertia_share, longest)
+        InertiaShare::new(
+            &target,
+            &instance.state,
+            &pin.frame,
+            instance.inertia_share,
+            longest,
+        )
     });
     InertialTarget { share, ..target }
 }
