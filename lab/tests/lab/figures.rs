@@ -54,4 +54,5 @@ figures![
     bone_press,
     compression,
     elastic_extension,
+    sway,
 ];

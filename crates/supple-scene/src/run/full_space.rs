@@ -152,6 +152,8 @@ mod tests {
                 count: Some(handles),
                 ..HandleRegion::default()
             }],
+            // By bounce it would follow from the frequency in the reduced tissue, and so from the handles.
+            damping_time: Some(0.002),
             ..Recipe::default()
         };
         bake(&limb.body().unwrap(), &recipe, &mut |_| {}).unwrap().0
