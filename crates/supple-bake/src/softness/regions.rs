@@ -477,6 +477,7 @@ fn muscle(layer: &LayerMesh, skin: &[DVec3], shares: &[[f64; 5]]) -> Vec<f64> {
         let (above, below) = (skin.distance(place), bone.distance(place));
         let part = above / (above + below).max(f64::MIN_POSITIVE);
         let s = ((part - FAT[0]) / FAT[1] + 0.5).clamp(0.0, 1.0);
-        share * s * s * (3.0 - 2.0 * s)
+        // Shares add up to one but for rounding.
+        (share * s * s * (3.0 - 2.0 * s)).min(1.0)
     })
 }
