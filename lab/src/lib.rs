@@ -30,6 +30,7 @@ mod reduced_full;
 mod rigid_soft;
 mod runner;
 mod skins;
+mod slope;
 mod spectrum;
 mod spin;
 mod stability;
@@ -77,6 +78,7 @@ pub const FIGURES: &[Figure] = &[
     pin_press::FIGURE,
     convergence::FIGURE,
     stability::FIGURE,
+    slope::FIGURE,
     bone_press::FIGURE,
     compression::FIGURE,
     elastic_extension::FIGURE,

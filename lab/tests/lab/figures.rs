@@ -51,6 +51,7 @@ figures![
     pin_press,
     convergence,
     stability,
+    slope,
     bone_press,
     compression,
     elastic_extension,
