@@ -18,6 +18,7 @@ mod elastic_extension;
 mod finger_slide;
 mod gallery;
 mod html;
+mod jiggle;
 mod layers;
 mod lift;
 mod measure;
@@ -79,6 +80,7 @@ pub const FIGURES: &[Figure] = &[
     convergence::FIGURE,
     stability::FIGURE,
     slope::FIGURE,
+    jiggle::FIGURE,
     bone_press::FIGURE,
     compression::FIGURE,
     elastic_extension::FIGURE,

@@ -52,6 +52,7 @@ figures![
     convergence,
     stability,
     slope,
+    jiggle,
     bone_press,
     compression,
     elastic_extension,
