@@ -7,7 +7,7 @@ use std::sync::Arc;
 use supple::collider::{Collider, Shape};
 use supple::internal::cpu::{min_det_f, skin_displacement};
 use supple::internal::math::Stopwatch;
-use supple::model::{Avatar, State};
+use supple::model::{Avatar, Integrator, State};
 use supple::potential::{CpuPotential, Potential};
 use supple::sim::{Settings, Simulation, SolverMode};
 use supple::{Error, Result};
@@ -205,8 +205,9 @@ fn settle<P: Potential>(
     const STEPS: usize = 3;
     let scene = &study.scene;
     let still = Settings {
-        // So long that inertia is nothing.
+        // One step, so long that inertia is nothing.
         time_step: 100.0,
+        integrator: Integrator::BackwardEuler,
         solver: SolverMode::Converged {
             tolerance: 1e-6,
             max_iterations: 60,
@@ -227,6 +228,7 @@ fn settle<P: Potential>(
     let settled = simulation.instances()[0].clone();
     drop(simulation);
     let settings = Settings {
+        integrator: Integrator::BackwardEuler,
         solver: SolverMode::OneIteration,
         ..scene.settings
     };

@@ -110,8 +110,13 @@ pub fn write_gallery(
 fn write_pictures(page: &Page, folder: &Path) -> Result<()> {
     make_folder(folder)?;
     for block in &page.blocks {
-        if let Block::Picture { name, image, .. } = block {
-            image.write_png(&folder.join(name).with_extension("png"))?;
+        let path = |name: &String| folder.join(name).with_extension("png");
+        match block {
+            Block::Picture { name, image, .. } => image.write_png(&path(name))?,
+            Block::Animation {
+                name, animation, ..
+            } => animation.write_png(&path(name))?,
+            _ => {}
         }
     }
     Ok(())

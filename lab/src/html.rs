@@ -3,7 +3,7 @@
 use super::{Block, Check, Page, Summary, Table, Verdict};
 use std::fmt::Write;
 use supple::Result;
-use supple_pictures::number;
+use supple_pictures::{Image, number};
 
 const STYLE: &str = include_str!("gallery.css");
 
@@ -80,14 +80,15 @@ fn section(verdict: &Verdict, page: &Page) -> Result<String> {
                 name,
                 caption,
                 image,
+            } => out += &picture(verdict.name, name, caption, image),
+            // Its file plays where a still one is shown.
+            Block::Animation {
+                name,
+                caption,
+                animation,
             } => {
-                let caption = escaped(caption);
-                let _ = writeln!(
-                    out,
-                    "<figure><a href=\"{0}/{name}.png\"><img src=\"{0}/{name}.png\" alt=\"{caption}\" width=\"{1}\" \
-                     height=\"{2}\" loading=\"lazy\"></a><figcaption>{caption}</figcaption></figure>",
-                    verdict.name, image.width, image.height
-                );
+                let first = animation.frames.first();
+                out += &first.map_or(String::new(), |i| picture(verdict.name, name, caption, i));
             }
             Block::Table(table) => out += &html_table(table),
             Block::Curves(curves) => {
@@ -107,6 +108,16 @@ fn section(verdict: &Verdict, page: &Page) -> Result<String> {
     }
     out += "</section>\n";
     Ok(out)
+}
+
+/// A picture of the size of `image` in the figure's folder.
+fn picture(figure: &str, name: &str, caption: &str, image: &Image) -> String {
+    let caption = escaped(caption);
+    format!(
+        "<figure><a href=\"{figure}/{name}.png\"><img src=\"{figure}/{name}.png\" alt=\"{caption}\" width=\"{}\" \
+         height=\"{}\" loading=\"lazy\"></a><figcaption>{caption}</figcaption></figure>\n",
+        image.width, image.height
+    )
 }
 
 fn html_table(table: &Table) -> String {

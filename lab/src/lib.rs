@@ -18,6 +18,7 @@ mod elastic_extension;
 mod finger_slide;
 mod gallery;
 mod html;
+mod jiggle;
 mod layers;
 mod lift;
 mod measure;
@@ -30,6 +31,7 @@ mod reduced_full;
 mod rigid_soft;
 mod runner;
 mod skins;
+mod slope;
 mod spectrum;
 mod spin;
 mod stability;
@@ -78,6 +80,8 @@ pub const FIGURES: &[Figure] = &[
     pin_press::FIGURE,
     convergence::FIGURE,
     stability::FIGURE,
+    slope::FIGURE,
+    jiggle::FIGURE,
     bone_press::FIGURE,
     compression::FIGURE,
     elastic_extension::FIGURE,

@@ -2,7 +2,7 @@
 
 use super::{Bound, Check};
 use serde::Serialize;
-use supple_pictures::{Curves, Image};
+use supple_pictures::{Animation, Curves, Image};
 use supple_scene::Report;
 
 /// A figure's page: what is shown, in order, and what is checked.
@@ -25,6 +25,15 @@ pub enum Block {
         name: String,
         /// The picture.
         image: Image,
+        /// What it shows, below it.
+        caption: String,
+    },
+    /// A picture that moves.
+    Animation {
+        /// As a picture's.
+        name: String,
+        /// The pictures.
+        animation: Animation,
         /// What it shows, below it.
         caption: String,
     },
@@ -63,6 +72,15 @@ impl Page {
         self.blocks.push(Block::Picture {
             name: name.into(),
             image,
+            caption: caption.into(),
+        });
+    }
+
+    /// Adds a picture that moves; `name` becomes its file's.
+    pub fn animation(&mut self, name: &str, animation: Animation, caption: impl Into<String>) {
+        self.blocks.push(Block::Animation {
+            name: name.into(),
+            animation,
             caption: caption.into(),
         });
     }

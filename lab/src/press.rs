@@ -6,7 +6,7 @@ use supple::Result;
 use supple::collider::{Collider, Shape};
 use supple::internal::cpu::Basis;
 use supple::material::{Material, StableNeoHookean};
-use supple::model::{Avatar, Frame, State};
+use supple::model::{Avatar, Frame, Integrator, State};
 use supple::potential::{CpuPotential, Potential};
 use supple::sim::{LinearSolver, Pin, Settings, Simulation, SolverMode};
 use supple_bake::{Recipe, SparseCholesky, full_space as in_full_space};
@@ -116,6 +116,7 @@ pub fn press_along<B: Basis>(
 ) -> Result<Pressed> {
     let settings = Settings {
         time_step: 100.0,
+        integrator: Integrator::BackwardEuler,
         solver: SolverMode::Converged {
             tolerance: 1e-6,
             max_iterations: 100,

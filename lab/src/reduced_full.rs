@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
 use supple::collider::Shape;
-use supple::model::Avatar;
+use supple::model::{Avatar, Integrator};
 use supple::sim::SolverMode;
 use supple_bake::{CubatureRecipe, HandleCandidates, HandleRegion, Truncation, all_tets};
 use supple_pictures::{Curves, picture_strip};
@@ -135,6 +135,7 @@ fn compare(runner: &Runner, press: &Press, page: &mut Page) -> Result<()> {
     let mut scene = runner.scene(press.scene)?;
     (press.otherwise)(&mut scene);
     scene.settings.time_step = press.time_step;
+    scene.settings.integrator = Integrator::BackwardEuler;
     scene.settings.solver = SolverMode::Converged {
         tolerance: 1e-6,
         max_iterations: 60,

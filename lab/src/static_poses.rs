@@ -8,7 +8,7 @@ use std::sync::Arc;
 use supple::Result;
 use supple::internal::cpu::posed_skin;
 use supple::internal::math::{Random, rotation_exp, rotation_log};
-use supple::model::{Avatar, PoseBlend, State, Surface};
+use supple::model::{Avatar, Integrator, PoseBlend, State, Surface};
 use supple::potential::CpuPotential;
 use supple::sim::{Settings, Simulation, SolverMode};
 use supple::skeleton::Tracking;
@@ -179,6 +179,7 @@ fn at_rest(avatar: &Arc<Avatar>, local: &[DMat3]) -> Result<State> {
     let settings = Settings {
         // Long steps: what swings at ω comes to 1/(1 + ω²h²) of it in each, at 2 Hz to a fifteenth.
         time_step: 0.3,
+        integrator: Integrator::BackwardEuler,
         solver: SolverMode::CONVERGED,
         ..Settings::default()
     };

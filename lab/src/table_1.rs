@@ -3,9 +3,9 @@
 use super::{Bound, Figure, Page, Runner};
 use std::sync::Arc;
 use supple::Result;
-use supple::model::Avatar;
+use supple::model::{Avatar, Integrator};
 use supple::potential::{CpuPotential, Potential};
-use supple::sim::{Simulation, Timings};
+use supple::sim::{Simulation, SolverMode, Timings};
 use supple_bake::full_space_simulation;
 use supple_bake::subspace::modal;
 use supple_pictures::Curves;
@@ -78,7 +78,10 @@ fn draw(runner: &Runner) -> Result<Page> {
 }
 
 fn measure(runner: &Runner, subject: &Subject, page: &mut Page) -> Result<()> {
-    let scene = runner.scene(subject.scene)?;
+    let mut scene = runner.scene(subject.scene)?;
+    // As the paper takes its times.
+    scene.settings.integrator = Integrator::BackwardEuler;
+    scene.settings.solver = SolverMode::OneIteration;
     let steps = runner.pick(7, 31);
     let (mut rows, mut growth) = (Vec::new(), Vec::new());
     let mut own = runner.avatar_of(&scene)?;

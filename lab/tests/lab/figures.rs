@@ -51,6 +51,8 @@ figures![
     pin_press,
     convergence,
     stability,
+    slope,
+    jiggle,
     bone_press,
     compression,
     elastic_extension,
