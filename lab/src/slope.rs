@@ -200,7 +200,7 @@ fn spaces() -> Result<[(String, Arc<Avatar>); 2]> {
             count: Some(12),
             ..HandleRegion::default()
         }],
-        damping_time: 0.01,
+        damping_time: Some(0.01),
         ..limb_recipe()
     };
     let reduced = bake(&BLOCK.body()?, &recipe, &mut |_| {})?.0;
