@@ -190,10 +190,7 @@ impl InertiaShare {
     /// What a frame that stands at `current` is carried along.
     fn of(&self, current: &Frame) -> (DMat3, DVec3) {
         let arm = current.position - self.root;
-        (
-            self.turn * current.rotation,
-            self.turn * arm + self.shift,
-        )
+        (self.turn * current.rotation, self.turn * arm + self.shift)
     }
 }
 

@@ -17,6 +17,9 @@ const CALLS: [&[f64]; 4] = [
     &[1.953125e-3, 9.765625e-4, 4.8828125e-4],
 ];
 
+/// The most of one call.
+const MOST_LENGTHS: usize = 4;
+
 /// Armijo's constant, c in E(q + αδ) − E(q) ≤ c α gᵀδ (Nocedal and Wright, §3.1).
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 
@@ -103,11 +106,13 @@ impl LineSearch {
         };
         let count = tried().count() * alphas.len();
         self.differences.resize(count, Difference::default());
-        self.states
-            .resize_with(self.states.len().max(count), || State {
-                frames: Vec::new(),
-                handles: Vec::new(),
-            });
+        // At once for the calls that try the most, so that later ones take no memory.
+        let room = tried().count() * MOST_LENGTHS;
+        if self.states.len() < room
+            && let Some(like) = tried().next()
+        {
+            self.states.resize(room, states[like].clone());
+        }
         let mut trials: Vec<Trial<'_>> = recycled(std::mem::take(&mut self.trials));
         let moved = self.states.chunks_mut(alphas.len());
         for (i, moved) in tried().zip(moved) {

@@ -28,10 +28,10 @@ use supple::{Error, Result};
 const PERSON: f64 = 750.0;
 /// The same of breasts, Pa: softer ones than that (300 Pa are measured) turn narrow tets under the tips inside out when a body
 /// is shaken by ±5 cm at 3 Hz.
-const BREAST: f64 = 750.0;
-/// b of a person's tissue: shaken like that, no tet of the sample body and of a MakeHuman body inverts (det F 0.40 where all bones
-/// follow, 0.02 where they hang limp), and breasts move by 18 to 36 mm. With 10 the limp one reaches −0.3.
-const STIFFENING: f64 = 20.0;
+const BREAST: f64 = 550.0;
+/// b of a person's tissue: shaken like that, no tet of the sample body and of a MakeHuman body inverts (det F 0.36 where all bones
+/// follow, 0.03 where they hang limp), and tissue moves by 16 to 26 mm at most. With 10 the limp one reaches −0.3.
+const STIFFENING: f64 = 25.0;
 /// Poisson's ratio of a person's tissue.
 const POISSONS_RATIO: f64 = 0.4;
 /// β, s, of a material that the recipe names, where it says nothing of damping.
