@@ -344,7 +344,7 @@ fn animation(runner: &Runner, avatar: &Avatar, runs: &[Vec<State>]) -> Animation
         });
         let legend = Legend {
             title: "displacement (mm)".into(),
-            scale: scale.clone(),
+            scale,
         };
         runner.sheet(panels.collect(), 0, Some(legend))
     };
