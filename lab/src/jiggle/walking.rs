@@ -1,6 +1,6 @@
 //! The sample body walks: how far its tissue moves at each rate.
 
-use super::{RATES, REFERENCE, frames};
+use super::{Bound, RATES, REFERENCE, frames};
 use crate::measure::upper_quantile;
 use crate::{Page, Runner};
 use supple::Result;
@@ -62,7 +62,13 @@ pub(super) fn draw(runner: &Runner, page: &mut Page) -> Result<()> {
             format!("{:.2}", run.report.iterations),
             format!("{:.3}", run.report.det_f()),
         ]);
-        page.check_intact(&format!(", walk, {name}"), &run.report);
+        // Of the tissue alone: what joints do at the heel's strike is not this figure's.
+        page.check(
+            format!("smallest det F, walk, {name}"),
+            run.report.det_f(),
+            "",
+            Bound::AtLeast(0.05),
+        );
         chart = chart.line(&name, curve.iter().copied());
     }
     page.curves(chart);
