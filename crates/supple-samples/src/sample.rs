@@ -114,6 +114,8 @@ pub(crate) fn body_recipe() -> Recipe {
 pub(crate) fn hand_recipe() -> Recipe {
     let mut recipe = handles(87);
     recipe.handles[0].painted = Some(PALM.into());
+    // Firm tissue that is pressed and hardly sways: scaled rows would take a quarter of a dent away.
+    recipe.truncation.keep_sway = Some(false);
     recipe.cubature = CubatureRecipe {
         points: Some(700),
         ..CubatureRecipe::default()
