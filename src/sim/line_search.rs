@@ -23,14 +23,14 @@ const MOST_LENGTHS: usize = 4;
 /// Armijo's constant, c in E(q + αδ) − E(q) ≤ c α gᵀδ (Nocedal and Wright, §3.1).
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 
+/// What f32 resolves of E, J: a smaller rise is noise.
+pub(super) const ENERGY_RESOLUTION: f64 = 1e-8;
+
 /// Part of the modelled fall of E by which it may miss.
 const MODEL_ERROR: f64 = 0.1;
 
 /// Part of the force of all contacts that may be unforeseen.
 const UNFORESEEN: f64 = 0.05;
-
-/// What f32 resolves of E, J.
-const ENERGY_RESOLUTION: f64 = 1e-8;
 
 /// Memory of the trials, kept from search to search.
 #[derive(Default)]

@@ -6,7 +6,7 @@ use super::coupled::Coupled;
 use super::groups::Groups;
 use super::iterates::Iterates;
 use super::iteration::{Iteration, Observer};
-use super::line_search::LineSearch;
+use super::line_search::{ENERGY_RESOLUTION, LineSearch};
 use super::members::Members;
 use super::minimisation::Minimisation;
 use super::report::{Stop, Timings};
@@ -15,9 +15,6 @@ use super::solvers::Systems;
 use crate::Result;
 use crate::math::{Stopwatch, par_members, par_split};
 use crate::model::State;
-
-/// What f32 resolves of E, J: a smaller rise is noise.
-const ENERGY_RESOLUTION: f64 = 1e-8;
 
 /// Trust radius of [`SolverMode::OneIteration`], m: a Newton step no longer than this is taken whole, without a look at
 /// E where it ends. A longer one, though it starts at the prediction, means that the quadratic model lacks something (a

@@ -21,15 +21,10 @@ pub(super) fn predict(
     pin(skeleton, instance, predicted);
 }
 
-/// The prediction of the bones with the tissue as it is at qⁿ: what is carried along keeps its momentum, and slides on where
-/// it slid, though its tissue's own swing would raise the energy.
-pub(super) fn carry_on(
-    skeleton: &Skeleton,
-    instance: &Instance,
-    target: &InertialTarget<'_>,
-    carried: &mut State,
-) {
-    predict(skeleton, instance, target, carried);
+/// The prediction of the bones, which `predicted` has, with the tissue as it is at qⁿ: what is carried along keeps its
+/// momentum, and slides on where it slid, though its tissue's own swing would raise the energy.
+pub(super) fn carry_on(instance: &Instance, predicted: &State, carried: &mut State) {
+    carried.frames.clone_from(&predicted.frames);
     carried.handles.clone_from(&instance.state.handles);
 }
 

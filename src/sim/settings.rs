@@ -12,18 +12,18 @@ pub const LARGEST_JOINT_STIFFNESS: f64 = 1e6;
 #[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum SolverMode {
-    /// The paper's mode, which wants [`Integrator::BackwardEuler`]: one Newton iteration, so one linear solve, from the inertial prediction with closed joints
-    /// (from qⁿ where that has less energy). Its step is taken whole and on trust up
-    /// to 1 mm; a longer one means that something unforeseen happened, and is halved until it lowers
+    /// The paper's mode, which wants [`Integrator::BackwardEuler`]: one Newton iteration, so one linear solve, from
+    /// the inertial prediction with closed joints (from the tissue at qⁿ, or from qⁿ, where that has less energy). Its step
+    /// is taken whole and on trust up to 1 mm; a longer one means that something unforeseen happened, and is halved until it lowers
     /// the energy, which costs an evaluation of E for each few lengths. One iteration does not see the
     /// contacts that it makes, nor how far friction gives way: on the bone press it is 0.02 mm off the
     /// converged run while pressing and up to 1.9 mm while the sphere slides and leaves (4.8 mm if every
     /// step were taken whole), where [`SolverMode::TWO_ITERATIONS`] is 0.3 mm off.
     OneIteration,
-    /// As many iterations as the step itself asks for, at most `max_iterations` of them: the default. A step without
-    /// contact and shorter than 1 mm takes one, on trust. Any other is searched along, which costs an evaluation of E, and is the last where E falls as the quadratic
-    /// model said that it would: contacts that open or close, friction that gives way and tissue that stiffens show as the
-    /// difference.
+    /// As many iterations as the step itself asks for, at most `max_iterations` of them: the default. A step shorter than
+    /// 1 mm with no collider near takes one, on trust. Any other is searched along, which costs an evaluation of E, and is
+    /// the last where E falls as the quadratic model said that it would and contacts do what it foresaw: where they open or
+    /// close, friction gives way or tissue stiffens, another iteration follows.
     Budgeted {
         /// Iterations before the step is taken as it is.
         #[serde(default = "default_budget")]

@@ -123,8 +123,8 @@ impl Stepper {
                 minimisation.may_touch = !instance.colliders.is_empty();
                 let skeleton = physics.skeleton.skeleton();
                 fall_back(skeleton, instance, fallback);
-                carry_on(skeleton, instance, &start.inertia, carried);
                 predict(skeleton, instance, &start.inertia, iterate);
+                carry_on(instance, iterate, carried);
                 minimisation.fixed.fill(false);
                 minimisation.prescribed.fill(false);
                 carried_bones(&physics.skeleton, instance, &mut minimisation.carried);
