@@ -45,7 +45,7 @@ fn compact(
             if (at < constants.contacts) {
                 let vertex = pair / state.colliders;
                 let index = state.instance * constants.colliders + pair % state.colliders;
-                let k = colliders[index].stiffness * points[vertex].measure;
+                let k = contact_stiffness(colliders[index], points[vertex], state);
                 contacts[contact_header(group.y) + 1u + at] =
                     Contact(d.xyz, -(k * d.w), k, vertex, colliders[index].body);
             }

@@ -186,8 +186,8 @@ fn contact_energy(
             let base = distances[first_distance(state.base, i, state.colliders) + k].w;
             let depth = max(here.w, 0.0);
             let base_depth = max(base, 0.0);
-            let stiffness = colliders[state.instance * constants.colliders + k].stiffness
-                * points[i].measure;
+            let collider = colliders[state.instance * constants.colliders + k];
+            let stiffness = contact_stiffness(collider, points[i], state);
             mine.contact += 0.5 * stiffness * (depth - base_depth) * (depth + base_depth);
             mine.force += stiffness * depth * here.xyz;
             mine.pressing += stiffness * depth;

@@ -48,7 +48,7 @@ fn lag(
             if (at < constants.contacts) {
                 let vertex = pair / state.colliders;
                 lagged[header + 1u + at] = started(
-                    distances[first + pair], vertex, index, colliders[first_collider + index]);
+                    distances[first + pair], vertex, index, colliders[first_collider + index], state);
             }
             at++;
         }
@@ -56,7 +56,7 @@ fn lag(
 }
 
 // A contact (∇d, δ) of qⁿ, without what `anchor` adds.
-fn started(d: vec4<f32>, vertex: u32, index: u32, collider: Collider) -> Lagged {
+fn started(d: vec4<f32>, vertex: u32, index: u32, collider: Collider, state: BatchState) -> Lagged {
     var slope = length(d.xyz);
     var n = vec3(0.0, 0.0, 1.0);
     if (slope > 1e-18) {
@@ -64,7 +64,7 @@ fn started(d: vec4<f32>, vertex: u32, index: u32, collider: Collider) -> Lagged 
     } else {
         slope = 0.0;
     }
-    let force = collider.stiffness * points[vertex].measure * d.w * slope;
+    let force = contact_stiffness(collider, points[vertex], state) * d.w * slope;
     return Lagged(vec3(0.0), collider.friction * force, n, vertex, vec3(0.0), collider.body, index);
 }
 

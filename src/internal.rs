@@ -24,6 +24,7 @@ pub mod skeleton {
     pub use crate::skeleton::joint::{JointSpring, joint_gap};
     pub use crate::skeleton::limit::LimitSpring;
     pub use crate::skeleton::log_derivative::{inverse_left_jacobian, log_curvature};
+    pub use crate::skeleton::preload::{Held, PreloadedBone};
     pub use crate::skeleton::system::{SkeletonModel, SkeletonStart};
     pub use crate::skeleton::term::{FrameHessian, FrameTerm, Residual, rotation_curvature};
     pub use crate::skeleton::tracking::TrackingSpring;

@@ -56,9 +56,13 @@ pub fn random_avatar(
         handles: handle_positions,
         cubature,
         layer: layer(random, bones, handles, tissue),
-        skin,
         triangles,
+        // Some above the stiffest that is taken.
+        contact_stiffness: (0..skin.len())
+            .map(|v| 1e7 * (1.0 + (v % 16) as f64))
+            .collect(),
         attached: (0..ATTACHED).map(followed).collect(),
+        skin,
         pose_extension: pose_extension(seed, points, tissue),
         render_meshes: Vec::new(),
         appearance: Default::default(),

@@ -3,7 +3,7 @@
 struct Collider {
     rotation: mat3x3<f32>,
     position: vec3<f32>,         // relative to the instance's origin, or in the body's frame
-    stiffness: f32,              // k, Pa/m
+    stiffness: f32,              // k, Pa/m; 0 where it is the tissue's
     parameters: vec4<f32>,       // sizes of the shape
     margin: f32,                 // d̂, m
     shape: u32,

@@ -11,6 +11,7 @@ struct Point {
     first_pair: u32,       // its pairs of blocks among all points'
     first_share: u32,      // what it follows of the skin's offsets, among the influences
     shares: u32,
+    contact_stiffness: f32, // of a skin vertex: k of the tissue under it, Pa/m
 }
 
 struct Influence {

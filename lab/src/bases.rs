@@ -217,6 +217,7 @@ fn settle<P: Potential>(
     let mut simulation = Simulation::new(avatar, potential()?, still)?;
     let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
+    driver.launch(avatar, &mut simulation.instances_mut()[0]);
     for &time in &study.times {
         let instance = &mut simulation.instances_mut()[0];
         driver.drive(time, instance)?;

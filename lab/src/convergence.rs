@@ -133,6 +133,7 @@ fn before_the_step(scene: &Scene, avatar: &Arc<Avatar>) -> Result<Instance> {
     let mut simulation = simulation(scene, avatar, potential)?;
     let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
+    driver.launch(avatar, &mut simulation.instances_mut()[0]);
     for step in 1..=STEPS {
         driver.drive(step as f64 * TIME_STEP, &mut simulation.instances_mut()[0])?;
         simulation.step_blocking()?;

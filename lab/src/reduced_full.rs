@@ -99,7 +99,7 @@ fn widen(scene: &mut Scene) {
             (collider.motion.z.iter_mut()).for_each(|key| key[1] -= WIDER);
         }
         // The default.
-        collider.stiffness = 1e8;
+        collider.stiffness = Some(1e8);
     }
 }
 

@@ -214,6 +214,7 @@ fn pressed<P: Potential>(
 ) -> Result<Timings> {
     let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
+    driver.launch(avatar, &mut simulation.instances_mut()[0]);
     for step in 1..=scene.step_at(scene.measure.full_press / hurry) {
         let time = hurry * step as f64 * scene.settings.time_step;
         driver.drive(time, &mut simulation.instances_mut()[0])?;

@@ -172,6 +172,7 @@ fn targets(scene: &Scene, avatar: &Avatar) -> Result<Vec<Vec<(usize, Frame)>>> {
     let mut driver = Driver::new(scene, avatar)?;
     let mut instance = Instance::new(avatar, &scene.settings);
     driver.start(avatar, &mut instance);
+    driver.launch(avatar, &mut instance);
     (1..=scene.steps)
         .map(|step| {
             driver.drive(step as f64 * scene.settings.time_step, &mut instance)?;

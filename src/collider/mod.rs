@@ -204,8 +204,10 @@ pub struct Collider {
     pub frame: Frame,
     /// Where it was at the start of the step; not read where there is a body.
     pub previous: Frame,
-    /// Penalty stiffness k, Pa/m.
-    pub stiffness: f64,
+    /// Penalty stiffness k, Pa/m; none where it is that of the tissue that it touches
+    /// ([`Avatar::contact_stiffness`](crate::model::Avatar::contact_stiffness)).
+    #[serde(with = "stated")]
+    pub stiffness: Option<f64>,
     /// d̂: distance at which contact begins, m.
     pub margin: f64,
     /// Coefficient of friction μ; 0 slides freely.
@@ -218,13 +220,16 @@ impl Collider {
     /// Above it μ is taken for a mistake.
     pub const MOST_FRICTION: f64 = 10.0;
 
-    /// A collider that stands still: k = 10⁸ Pa/m, no margin, no friction, no body.
+    /// The stiffest penalty that nobody asked for, Pa/m: of skin without tissue, and of tissue that is stiffer or thinner.
+    pub const STIFFEST: f64 = 1e8;
+
+    /// A collider that stands still: k is the tissue's, no margin, no friction, no body.
     pub fn new(shape: Shape, frame: Frame) -> Self {
         Self {
             shape,
             frame,
             previous: frame,
-            stiffness: 1e8,
+            stiffness: None,
             margin: 0.0,
             friction: 0.0,
             body: None,
@@ -271,6 +276,11 @@ impl Collider {
         r * self.shape.curvature(frame.inverse_transform(point)) * r.transpose()
     }
 
+    /// k, Pa/m, where it meets tissue that would have `tissue` of itself.
+    pub(crate) fn stiffness_on(&self, tissue: f64) -> f64 {
+        self.stiffness.unwrap_or(tissue.min(Self::STIFFEST))
+    }
+
     /// The collider seen from `origin`: both frames shifted by −origin, unless they are its body's.
     pub fn relative_to(&self, origin: DVec3) -> Self {
         let shift = if self.body.is_none() {
@@ -302,7 +312,9 @@ impl Collider {
                 return Err(Error::invalid(field, "is not a finite rigid placement"));
             }
         }
-        positive("stiffness", self.stiffness, "Pa/m")?;
+        if let Some(stiffness) = self.stiffness {
+            positive("stiffness", stiffness, "Pa/m")?;
+        }
         if !(self.margin >= 0.0 && self.margin.is_finite()) {
             return Err(Error::invalid(
                 "margin",
@@ -316,6 +328,20 @@ impl Collider {
             ));
         }
         Ok(())
+    }
+}
+
+/// How the stiffness is written: 0 where it is the tissue's.
+mod stated {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(stiffness: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+        stiffness.unwrap_or(0.0).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+        let stiffness = f64::deserialize(from)?;
+        Ok((stiffness != 0.0).then_some(stiffness))
     }
 }
 

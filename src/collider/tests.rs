@@ -169,7 +169,7 @@ fn unusable_colliders_are_refused_by_name() {
         ),
         (
             Collider {
-                stiffness: f64::NAN,
+                stiffness: Some(f64::NAN),
                 ..good.clone()
             },
             "stiffness",

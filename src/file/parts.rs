@@ -12,6 +12,7 @@
 //! | `matl` | material, what it has of its own at each cubature point, density | refused |
 //! | `cpos`, `spos` | pose blend shapes of cubature points and skin, without their zeros | none |
 //! | `exte` | how cubature points follow offsets of the skin | no offsets are taken |
+//! | `cstf` | penalty stiffness of each skin vertex | the stiffest everywhere |
 //! | `atta` | what attached vertices follow | nothing is attached |
 //! | `draw` | how the body's file draws the skin | the skin is drawn as it is |
 //! | `shad` | index of the material and tangents of each part of `draw` | none |
@@ -51,6 +52,7 @@ const MATERIAL: [u8; 4] = *b"matl";
 const CUBATURE_POSE: [u8; 4] = *b"cpos";
 const SKIN_POSE: [u8; 4] = *b"spos";
 const EXTENSION: [u8; 4] = *b"exte";
+const CONTACT_STIFFNESS: [u8; 4] = *b"cstf";
 const ATTACHED: [u8; 4] = *b"atta";
 const DRAWN: [u8; 4] = *b"draw";
 const SHADING: [u8; 4] = *b"shad";
@@ -139,6 +141,10 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
     if !avatar.pose_extension.is_empty() {
         sections.push(section(EXTENSION, &avatar.pose_extension)?);
     }
+    if !avatar.contact_stiffness.is_empty() {
+        let rounded: Vec<f32> = avatar.contact_stiffness.iter().map(|k| *k as f32).collect();
+        sections.push(section(CONTACT_STIFFNESS, &rounded)?);
+    }
     if !avatar.attached.is_empty() {
         sections.push(section(ATTACHED, &avatar.attached)?);
     }
@@ -196,6 +202,12 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         skin: reader.points(skin, SKIN_POSE)?,
         triangles: triangles.into_owned(),
         pose_extension: reader.optional(EXTENSION)?.unwrap_or_default(),
+        contact_stiffness: (reader
+            .optional::<Vec<f32>>(CONTACT_STIFFNESS)?
+            .unwrap_or_default())
+        .into_iter()
+        .map(f64::from)
+        .collect(),
         attached: reader.optional(ATTACHED)?.unwrap_or_default(),
         render_meshes: reader.render_meshes()?,
         appearance: Arc::new(

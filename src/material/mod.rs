@@ -115,6 +115,15 @@ impl Material {
         }
     }
 
+    /// E, Pa: Young's modulus of small strains, of its isotropic part.
+    pub fn youngs_modulus(&self) -> f64 {
+        match self {
+            Self::StableNeoHookean(m) => m.youngs_modulus,
+            Self::Orthotropic(m) => m.youngs_modulus,
+            Self::FungNeoHookean(m) => m.youngs_modulus,
+        }
+    }
+
     /// The material where the tissue is `local`.
     pub fn at(&self, local: LocalTissue) -> MaterialPoint<'_> {
         MaterialPoint {

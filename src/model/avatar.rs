@@ -61,6 +61,9 @@ pub struct Avatar {
     pub skin: PointSet,
     /// Triangles of the skin, those of the bodies last.
     pub triangles: Vec<[u32; 3]>,
+    /// Penalty stiffness k of each skin vertex where a collider states none, Pa/m: 100 E/L of tissue with Young's modulus E
+    /// and depth L, so that half its compression costs 0.5 % of L; at most [`Collider::STIFFEST`](crate::collider::Collider::STIFFEST) is taken. None at all: that.
+    pub contact_stiffness: Vec<f64>,
     /// Skin vertices that are not tissue's but attached to it and come after it: skin vertices (index,
     /// share) that each of them follows. They have no area.
     pub attached: Rows<(u32, f64)>,
@@ -125,6 +128,12 @@ impl Avatar {
     pub fn tissue_of_tet(&self, t: usize) -> MaterialPoint<'_> {
         let local = self.layer.tissue.get(t).copied().unwrap_or_default();
         self.material.at(local)
+    }
+
+    /// What a tissue's own k asks for at skin vertex `v`, Pa/m, before [`Collider::STIFFEST`](crate::collider::Collider::STIFFEST) limits it.
+    pub fn contact_stiffness_at(&self, v: usize) -> f64 {
+        let of_tissue = self.contact_stiffness.get(v).copied();
+        of_tissue.unwrap_or(f64::INFINITY)
     }
 
     /// Whether any of the tissue damps.
@@ -312,6 +321,15 @@ impl Avatar {
                  needed for each point, or nothing at all",
             )?;
         }
+        check(
+            (self.contact_stiffness.is_empty() || self.contact_stiffness.len() == self.skin.len())
+                && self
+                    .contact_stiffness
+                    .iter()
+                    .all(|&k| k > 0.0 && k.is_finite()),
+            "contact_stiffness",
+            "a positive stiffness (Pa/m) is needed for each skin vertex, or nothing at all",
+        )?;
         check(
             self.density > 0.0 && self.density.is_finite(),
             "density",

@@ -30,8 +30,8 @@ pub struct RigidBody {
     pub surface: Surface,
     /// Where it is at first.
     pub initial_frame: Frame,
-    /// Penalty stiffness of what touches it, Pa/m.
-    pub stiffness: f64,
+    /// Penalty stiffness of what touches it, Pa/m; none where it is that of the tissue that it touches.
+    pub stiffness: Option<f64>,
     /// Coefficient of friction of what touches it.
     pub friction: f64,
 }
@@ -127,6 +127,10 @@ impl Avatar {
             .extend(body.surface.triangles.iter().map(shifted));
         self.skin
             .append_rigid(&body.surface, frame as u32, body.initial_frame.position);
+        if !self.contact_stiffness.is_empty() {
+            let vertices = self.skin.len();
+            self.contact_stiffness.resize(vertices, Collider::STIFFEST);
+        }
         self.bodies.push(body);
         Ok(())
     }
@@ -231,6 +235,7 @@ impl RigidBody {
             cubature: PointSet::default(),
             skin,
             triangles: self.surface.triangles.clone(),
+            contact_stiffness: Vec::new(),
             attached: Rows::default(),
             pose_extension: Rows::default(),
             render_meshes: Vec::new(),

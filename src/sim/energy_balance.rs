@@ -21,7 +21,7 @@ pub struct EnergyBalance {
     pub gravity: f64,
     /// Penalty energy of contacts, J.
     pub contact: f64,
-    /// Springs of joints, bending and targets, J. Dampers count with their dissipation.
+    /// Springs of joints, bending and targets, less the weight that they carry beforehand, J. Dampers count with their dissipation.
     pub skeleton: f64,
 }
 
@@ -82,7 +82,11 @@ impl<P: Potential> Simulation<P> {
                 elastic: tissue.elastic,
                 gravity: tissue.gravity + bones.gravity,
                 contact: tissue.contact,
-                skeleton: bones.joint + bones.bending + bones.limit + bones.tracking,
+                skeleton: bones.joint
+                    + bones.bending
+                    + bones.limit
+                    + bones.tracking
+                    + bones.preload,
             }
         };
         let pairs = resting.iter().zip(&states).zip(&evaluations);

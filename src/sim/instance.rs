@@ -4,7 +4,7 @@ use super::settings::{Settings, not_negative};
 use crate::collider::Collider;
 use crate::model::{Avatar, Frame, History, PoseOffsets, State, UpAxis, is_rotation};
 use crate::potential::{PreviousSkin, TissueFactors};
-use crate::skeleton::{Bending, JointLimit, Tracking};
+use crate::skeleton::{Bending, JointLimit, Preload, Tracking};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,8 @@ pub struct Instance {
     /// Springs and dampers that draw bones to moving targets. After a step each target's
     /// `previous` becomes its `frame`.
     pub targets: Vec<Tracking>,
+    /// Whose springs carry the weight of the pose that they draw to beforehand, so that it does not sag.
+    pub preload: Preload,
     /// Bones that follow a prescribed motion exactly.
     pub pins: Vec<Pin>,
     /// The rest rotation of each bone relative to its parent, and how stiffly it is kept.
@@ -80,11 +82,13 @@ impl Instance {
         Self {
             history: History::at_rest(&state),
             targets: Vec::new(),
+            preload: Preload::default(),
             pins: Vec::new(),
             bending: vec![
                 Bending {
                     rest_rotation: DMat3::IDENTITY,
                     stiffness: settings.bending_stiffness,
+                    damping: settings.joint_damping_time * settings.bending_stiffness,
                 };
                 state.frames.len()
             ],
@@ -93,6 +97,7 @@ impl Instance {
                     bone: bone as usize,
                     range,
                     stiffness: settings.limit_stiffness,
+                    damping: settings.joint_damping_time * settings.limit_stiffness,
                 })
                 .collect(),
             state,
@@ -195,6 +200,7 @@ impl Instance {
         )?;
         for bending in &self.bending {
             not_negative("instance.bending.stiffness", bending.stiffness, "N·m/rad")?;
+            not_negative("instance.bending.damping", bending.damping, "N·m·s")?;
             check(
                 is_rotation(&bending.rest_rotation),
                 "bending",
@@ -209,6 +215,7 @@ impl Instance {
             )?;
             limit.range.validate("instance.limits.range")?;
             not_negative("instance.limits.stiffness", limit.stiffness, "N·m/rad")?;
+            not_negative("instance.limits.damping", limit.damping, "N·m·s")?;
         }
         for target in &self.targets {
             check(
@@ -244,7 +251,8 @@ impl Instance {
                 "colliders",
                 "a frame is not finite or its rotation is none",
             )?;
-            not_negative("instance.colliders.stiffness", collider.stiffness, "Pa/m")?;
+            let stiffness = collider.stiffness.unwrap_or_default();
+            not_negative("instance.colliders.stiffness", stiffness, "Pa/m")?;
             not_negative("instance.colliders.margin", collider.margin, "metres")?;
         }
         check(

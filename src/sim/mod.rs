@@ -26,6 +26,7 @@
 //! | `step_end` | what the states that a step ends with tell |
 //! | `stepper` | a step of members of any assets, from its start to the new states |
 //! | `simulation` | avatars of one asset, stepped together |
+//! | `settle` | where everything comes to rest |
 //! | `energy_balance` | mechanical energy, measured between steps |
 
 mod carried;
@@ -44,6 +45,7 @@ mod newton;
 mod prediction;
 mod report;
 mod settings;
+pub(crate) mod settle;
 mod simulation;
 mod solvers;
 mod spring_bones;

@@ -92,6 +92,8 @@ pub struct Settings {
     pub bending_stiffness: f64,
     /// Initial k of the springs that keep joints within their ranges, N·m/rad.
     pub limit_stiffness: f64,
+    /// Initial d/k of the dampers beside both, s: what springs back overdamped takes about so long.
+    pub joint_damping_time: f64,
     /// ε_v, m/s: slower slip than this meets less than the whole friction, so that what rests creeps by it at most.
     pub slip_speed: f64,
     /// Whether the Hessian holds the geometric terms of contact (Σ fᵀ ∂²x/∂q²) as well; where it is not positive
@@ -120,6 +122,7 @@ impl Default for Settings {
             joint_stiffness: 1e6,
             bending_stiffness: 10.0,
             limit_stiffness: 1e3,
+            joint_damping_time: 0.05,
             slip_speed: 1e-3,
             geometric_contact: false,
             report_at_end: false,
@@ -152,6 +155,11 @@ impl Settings {
             "N·m/rad",
         )?;
         not_negative("settings.limit_stiffness", self.limit_stiffness, "N·m/rad")?;
+        not_negative(
+            "settings.joint_damping_time",
+            self.joint_damping_time,
+            "seconds",
+        )?;
         positive("settings.slip_speed", self.slip_speed, "m/s")?;
         let max_iterations = match self.solver {
             SolverMode::OneIteration => 1,

@@ -203,7 +203,7 @@ impl<P: Potential> Simulation<P> {
     }
 
     /// One step; the `last` of a frame completes the reports.
-    async fn substep(
+    pub(super) async fn substep(
         &mut self,
         last: bool,
         timings: &mut Timings,

@@ -38,6 +38,7 @@ pub(super) fn skeleton_start<'a>(settings: &Settings, instance: &'a Instance) ->
         bending: &instance.bending,
         limits: &instance.limits,
         targets: &instance.targets,
+        preload: instance.preload,
         gravity: instance.gravity,
         tissue_gravity: instance.factors.gravity,
         pose_offsets: instance.pose_offsets.as_slice(),

@@ -313,13 +313,11 @@ fn report(minimisation: &mut Minimisation, physics: &Physics, instance: &Instanc
     let report = &mut minimisation.report;
     report.max_joint_gap = joint_gap(physics.skeleton.skeleton(), frames);
     report.weight = physics.skeleton.weighed_mass(instance.factors.gravity) * instance.gravity;
-    let tracking = minimisation.skeleton.tracking().iter().map(|term| {
-        let (force, torque) = term.load(frames);
-        Load {
-            bone: term.bone(),
-            force,
-            torque,
-        }
+    let loads = minimisation.skeleton.target_loads(frames);
+    let tracking = loads.map(|(bone, force, torque)| Load {
+        bone,
+        force,
+        torque,
     });
     let gradient = &minimisation.frame_gradient;
     let block = |b: usize| DVec3::from_slice(&gradient[3 * b..3 * b + 3]);

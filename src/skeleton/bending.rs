@@ -1,9 +1,10 @@
-//! Springs that keep the rotation of a bone relative to its parent.
+//! Springs and dampers of the rotation of a bone relative to its parent.
 
+use super::damper::Damper;
 use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::term::{FrameHessian, FrameTerm, Residual};
 use crate::math::{rotation_log, skew};
-use crate::model::Frame;
+use crate::model::{Frame, InertialTarget};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +16,12 @@ pub struct Bending {
     pub rest_rotation: DMat3,
     /// k, N·m/rad.
     pub stiffness: f64,
+    /// d, N·m·s: against any motion relative to the parent.
+    #[serde(skip)]
+    pub damping: f64,
 }
 
-/// E = ½ k |r|², r = log(R_pᵀ R_j R₀⁻¹).
+/// E = ½ k |r|² + ½ d/h̃ |r − r̃|², r = log(R_pᵀ R_j R₀⁻¹).
 ///
 /// With R ← exp(\[δω\]) R: δr = J_l⁻¹(r) R_pᵀ (δω_j − δω_p).
 #[derive(Clone, Copy, Debug)]
@@ -26,11 +30,30 @@ pub struct BendingSpring {
     pub child: usize,
     /// p.
     pub parent: usize,
-    /// R₀ and k.
+    /// R₀, k and d.
     pub bending: Bending,
+    /// d/h̃ and r̃.
+    damper: Damper,
 }
 
 impl BendingSpring {
+    /// The term of `child` on `parent` in a step that starts from `current`.
+    pub fn new(
+        [child, parent]: [usize; 2],
+        bending: Bending,
+        current: &[Frame],
+        inertia: &InertialTarget<'_>,
+    ) -> Self {
+        let mut spring = Self {
+            child,
+            parent,
+            bending,
+            damper: Damper::NONE,
+        };
+        spring.damper = Damper::new(bending.damping, current, inertia, |f| spring.residual(f));
+        spring
+    }
+
     /// r, rad.
     fn residual(&self, frames: &[Frame]) -> DVec3 {
         let (parent, child) = (&frames[self.parent], &frames[self.child]);
@@ -43,7 +66,7 @@ impl BendingSpring {
 impl FrameTerm for BendingSpring {
     fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
         let (r, r0) = (self.residual(frames), self.residual(base));
-        0.5 * self.bending.stiffness * (r - r0).dot(r + r0)
+        self.damper.difference(self.bending.stiffness, r0, r)
     }
 
     fn add_derivatives(
@@ -57,13 +80,14 @@ impl FrameTerm for BendingSpring {
         let residual = Residual {
             jacobian: [(2 * self.child + 1, slope), (2 * self.parent + 1, -slope)],
         };
-        residual.add_gradient(self.bending.stiffness * r, gradient);
-        residual.add_hessian(self.bending.stiffness, hessian);
+        let k = self.bending.stiffness;
+        residual.add_gradient(self.damper.slope(k, r), gradient);
+        residual.add_hessian(self.damper.stiffness(k), hessian);
     }
 
     fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
         let r = self.residual(frames);
-        let force = self.bending.stiffness * r;
+        let force = self.damper.slope(self.bending.stiffness, r);
         add_relative_curvature(
             [2 * self.child + 1, 2 * self.parent + 1],
             &frames[self.parent].rotation,

@@ -3,7 +3,7 @@
 use super::term::{FrameHessian, FrameTerm, add_block, rotation_curvature};
 use crate::math::Rows;
 use crate::model::{Avatar, Frame, pose_features};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Mass and first moment of the matter that each bone carries, about its joint.
 ///
@@ -134,6 +134,15 @@ impl FrameGravity {
         if let Some((tissue, factor)) = tissue {
             tissue.add_to(factor, &mut self.moments, current, offsets);
         }
+    }
+}
+
+impl FrameGravity {
+    /// The weight of bone `j`, N, and its moment about the joint where the bone has this `rotation`, N·m.
+    pub(super) fn wrench(&self, j: usize, rotation: &DMat3) -> (DVec3, DVec3) {
+        let (mass, first) = self.moments[j];
+        let lever = *rotation * first;
+        (mass * self.gravity, lever.cross(self.gravity))
     }
 }
 

@@ -1,11 +1,12 @@
-//! Springs that keep joints within their ranges.
+//! Springs and dampers that keep joints within their ranges.
 
 use super::bending::add_relative_curvature;
+use super::damper::Damper;
 use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::swing_twist::SwingTwist;
 use super::term::{FrameHessian, FrameTerm, Residual};
 use crate::math::rotation_log;
-use crate::model::{Frame, JointRange};
+use crate::model::{Frame, InertialTarget, JointRange};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -19,9 +20,12 @@ pub struct JointLimit {
     pub range: JointRange,
     /// k, N·m/rad.
     pub stiffness: f64,
+    /// d, N·m·s: out of the range only.
+    #[serde(skip)]
+    pub damping: f64,
 }
 
-/// E = ½ k |e|² with Q = R_pᵀ R_j and what of it is out of its range:
+/// E = ½ k |e|² + ½ d/h̃ |e − ẽ|² with Q = R_pᵀ R_j and what of it is out of its range:
 /// - of a box with axes A, e = s − clamp(s), s = Aᵀ log Q;
 /// - of a cone, e = ((β − β_max)₊, τ − clamp(τ)) with β, τ the swing and the twist of Q.
 ///
@@ -33,17 +37,19 @@ pub struct LimitSpring {
     pub child: usize,
     /// p.
     pub parent: usize,
-    /// The range and k.
+    /// The range, k and d.
     pub limit: JointLimit,
+    /// d/h̃ and ẽ.
+    damper: Damper,
 }
 
 /// What Q ← exp(\[ε\]) Q does to E at ε = 0.
 struct Local {
     /// ∂E/∂ε.
     torque: DVec3,
-    /// k Σ ∂e ∂eᵀ.
+    /// (k + d/h̃) Σ ∂e ∂eᵀ.
     gauss_newton: DMat3,
-    /// k Σ e ∂²e.
+    /// Σ (∂E/∂e) ∂²e.
     curvature: DMat3,
 }
 
@@ -57,6 +63,25 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 impl LimitSpring {
+    /// The term of `child` on `parent` in a step that starts from `current`.
+    pub fn new(
+        [child, parent]: [usize; 2],
+        limit: JointLimit,
+        current: &[Frame],
+        inertia: &InertialTarget<'_>,
+    ) -> Self {
+        let mut spring = Self {
+            child,
+            parent,
+            limit,
+            damper: Damper::NONE,
+        };
+        spring.damper = Damper::new(limit.damping, current, inertia, |frames| {
+            spring.excess(spring.relative(frames))
+        });
+        spring
+    }
+
     fn relative(&self, frames: &[Frame]) -> DMat3 {
         frames[self.parent].rotation.transpose() * frames[self.child].rotation
     }
@@ -77,15 +102,17 @@ impl LimitSpring {
     }
 
     fn local(&self, relative: DMat3) -> Local {
-        let (k, e) = (self.limit.stiffness, self.excess(relative));
+        let e = self.excess(relative);
+        // What is within its range does not resist.
+        let active = DVec3::select(e.cmpne(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
+        let force = active * self.damper.slope(self.limit.stiffness, e);
+        let k = self.damper.stiffness(self.limit.stiffness);
         match self.limit.range {
             JointRange::Axes { axes, .. } => {
                 let r = rotation_log(relative);
                 let slope = inverse_left_jacobian(r);
-                let force = k * (axes * e);
-                // Only axes that are out of range resist.
-                let active = DVec3::select(e.cmpne(DVec3::ZERO), DVec3::splat(k), DVec3::ZERO);
-                let stiffness = axes * DMat3::from_diagonal(active) * axes.transpose();
+                let force = axes * force;
+                let stiffness = axes * DMat3::from_diagonal(active * k) * axes.transpose();
                 Local {
                     torque: slope.transpose() * force,
                     gauss_newton: slope.transpose() * stiffness * slope,
@@ -94,18 +121,21 @@ impl LimitSpring {
             }
             JointRange::Cone { axis, .. } => {
                 let now = SwingTwist::new(relative, axis);
-                let parts = [(e.x, now.swing_slope()), (e.y, now.twist_slope())];
+                let parts = [
+                    (active.x, force.x, now.swing_slope()),
+                    (active.y, force.y, now.twist_slope()),
+                ];
                 let curvatures = [now.swing_curvature(), now.twist_curvature()];
                 let mut local = Local {
                     torque: DVec3::ZERO,
                     gauss_newton: DMat3::ZERO,
                     curvature: DMat3::ZERO,
                 };
-                for ((e, slope), curvature) in parts.into_iter().zip(curvatures) {
-                    if e != 0.0 {
-                        local.torque += k * e * slope;
+                for ((active, force, slope), curvature) in parts.into_iter().zip(curvatures) {
+                    if active != 0.0 {
+                        local.torque += force * slope;
                         local.gauss_newton += outer(slope, slope) * k;
-                        local.curvature += curvature * (k * e);
+                        local.curvature += curvature * force;
                     }
                 }
                 local
@@ -118,7 +148,7 @@ impl FrameTerm for LimitSpring {
     fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
         let e = self.excess(self.relative(frames));
         let e0 = self.excess(self.relative(base));
-        0.5 * self.limit.stiffness * (e - e0).dot(e + e0)
+        self.damper.difference(self.limit.stiffness, e0, e)
     }
 
     fn add_derivatives(

@@ -12,20 +12,24 @@
 //! | `log_derivative` | derivatives of a rotation's logarithm |
 //! | `term` | the interface of a term, and what terms share |
 //! | `joint` | springs that hold joints together |
+//! | `damper` | what a damper adds to a spring |
 //! | `bending` | springs between the rotations of a bone and its parent |
 //! | `swing_twist` | a joint's rotation as swing and twist |
 //! | `limit` | springs that keep joints within their ranges |
 //! | `tracking` | springs and dampers to moving targets |
 //! | `bone_inertia` | the inertia of rigid bones |
 //! | `gravity` | gravity on bones and tissue |
+//! | `preload` | the weight that springs carry beforehand |
 //! | `system` | all terms of a skeleton together |
 
 pub(crate) mod bending;
 pub(crate) mod bone_inertia;
+mod damper;
 pub(crate) mod gravity;
 pub(crate) mod joint;
 pub(crate) mod limit;
 pub(crate) mod log_derivative;
+pub(crate) mod preload;
 mod swing_twist;
 pub(crate) mod system;
 pub(crate) mod term;
@@ -34,6 +38,7 @@ pub(crate) mod tracking;
 pub use bending::Bending;
 pub(crate) use joint::joint_gap;
 pub use limit::JointLimit;
+pub use preload::Preload;
 pub use system::{SkeletonEnergies, SkeletonPotential};
 pub(crate) use system::{SkeletonModel, SkeletonStart};
 pub use tracking::{Spring, Tracking};

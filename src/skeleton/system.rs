@@ -5,6 +5,7 @@ use super::bone_inertia::BoneInertia;
 use super::gravity::{FrameGravity, TissueMoments};
 use super::joint::JointSpring;
 use super::limit::{JointLimit, LimitSpring};
+use super::preload::{Held, Preload, PreloadedBone};
 use super::term::{FrameHessian, FrameTerm};
 use super::tracking::{Tracking, TrackingSpring};
 use crate::model::{Avatar, BoneMass, Frame, InertialTarget, Skeleton, SpringBones};
@@ -23,8 +24,10 @@ pub struct SkeletonModel {
     springs: SpringBones,
     /// Mass and first moment of each.
     moments: Vec<(f64, DVec3)>,
-    /// The tissue's moments where its weight loads the bones and not the handles.
-    tissue: Option<TissueMoments>,
+    /// The tissue's moments.
+    tissue: TissueMoments,
+    /// Whether its weight loads the bones, and not the handles.
+    captured_under_gravity: bool,
     /// Mass of the bones, kg.
     bone_mass: f64,
     /// Mass of the tissue, kg.
@@ -40,9 +43,8 @@ impl SkeletonModel {
             carried: avatar.carried(),
             springs: avatar.springs.clone(),
             moments: avatar.bone_masses.iter().map(BoneMass::moments).collect(),
-            tissue: avatar
-                .captured_under_gravity
-                .then(|| TissueMoments::new(avatar)),
+            tissue: TissueMoments::new(avatar),
+            captured_under_gravity: avatar.captured_under_gravity,
             bone_mass: (avatar.bone_masses.iter())
                 .map(|b| b.second_moment[3][3])
                 .sum(),
@@ -86,6 +88,8 @@ pub struct SkeletonStart<'a> {
     pub limits: &'a [JointLimit],
     /// Targets of bones.
     pub targets: &'a [Tracking],
+    /// Whose springs carry their weight beforehand.
+    pub preload: Preload,
     /// Gravity, m/s².
     pub gravity: DVec3,
     /// Factor on it where it acts on tissue.
@@ -101,20 +105,28 @@ pub struct SkeletonEnergies {
     pub inertia: f64,
     /// Joint springs.
     pub joint: f64,
-    /// Bending springs.
+    /// Bending springs and dampers.
     pub bending: f64,
-    /// Limits of joints.
+    /// Limits of joints, with their dampers.
     pub limit: f64,
     /// Springs and dampers of targets.
     pub tracking: f64,
     /// Gravity on bones, and on the tissue at φ = 0.
     pub gravity: f64,
+    /// The weight that springs carry beforehand.
+    pub preload: f64,
 }
 
 impl SkeletonEnergies {
     /// Their sum.
     pub fn total(&self) -> f64 {
-        self.inertia + self.joint + self.bending + self.limit + self.tracking + self.gravity
+        self.inertia
+            + self.joint
+            + self.bending
+            + self.limit
+            + self.tracking
+            + self.gravity
+            + self.preload
     }
 }
 
@@ -127,6 +139,11 @@ pub struct SkeletonPotential {
     limits: Vec<LimitSpring>,
     tracking: Vec<TrackingSpring>,
     gravity: FrameGravity,
+    /// With the tissue's weight in any case.
+    weight: FrameGravity,
+    /// Where springs hold each bone.
+    held: Vec<Held>,
+    preload: Vec<PreloadedBone>,
 }
 
 impl SkeletonPotential {
@@ -159,28 +176,71 @@ impl SkeletonPotential {
         };
         self.joints.extend(pairs.clone().map(joint));
         self.bending.clear();
-        let bending = |(child, parent): (usize, usize)| BendingSpring {
-            child,
-            parent,
-            bending: start.bending[child],
+        let (current, inertia) = (start.current, &start.inertia);
+        let bending = |(child, parent): (usize, usize)| {
+            BendingSpring::new([child, parent], start.bending[child], current, inertia)
         };
         self.bending.extend(pairs.map(bending));
         self.limits.clear();
         let limits = start.limits.iter().filter(|limit| moves(limit.bone));
         self.limits.extend(limits.filter_map(|&limit| {
-            Some(LimitSpring {
-                child: limit.bone,
-                parent: skeleton.parents[limit.bone]? as usize,
-                limit,
-            })
+            let pair = [limit.bone, skeleton.parents[limit.bone]? as usize];
+            Some(LimitSpring::new(pair, limit, current, inertia))
         }));
         self.tracking.clear();
         let target = |&target| TrackingSpring::new(target, start.current, &start.inertia);
         let targets = start.targets.iter().filter(|target| moves(target.bone));
         self.tracking.extend(targets.map(target));
-        let tissue = model.tissue.as_ref().map(|t| (t, start.tissue_gravity));
-        let (current, offsets) = (start.current, start.pose_offsets);
-        (self.gravity).restart(start.gravity, &model.moments, tissue, current, offsets);
+        let tissue = Some((&model.tissue, start.tissue_gravity));
+        let (gravity, offsets) = (start.gravity, start.pose_offsets);
+        let of_bones = tissue.filter(|_| model.captured_under_gravity);
+        (self.gravity).restart(gravity, &model.moments, of_bones, current, offsets);
+        self.preload.clear();
+        if start.preload != Preload::Off {
+            (self.weight).restart(gravity, &model.moments, tissue, current, offsets);
+            self.hold(skeleton, start);
+            let held = self.held.iter().enumerate().filter(|(j, _)| moves(*j));
+            let weight = &self.weight;
+            let preloaded = held.filter_map(|(j, held)| PreloadedBone::new(j, held, weight));
+            self.preload.extend(preloaded);
+        }
+    }
+
+    /// Finds where the springs hold the bones that are preloaded.
+    fn hold(&mut self, skeleton: &Skeleton, start: &SkeletonStart<'_>) {
+        let held = &mut self.held;
+        held.clear();
+        held.resize(start.current.len(), Held::default());
+        for target in start.targets {
+            held[target.bone] = Held {
+                rotation: target.rotation.map(|_| target.frame.rotation),
+                position: target.position.map(|_| target.frame.position),
+            };
+        }
+        let pose = start.preload == Preload::Pose;
+        for (j, parent) in skeleton.parents.iter().enumerate() {
+            let own = held[j];
+            let (rotation, position) = match *parent {
+                None if pose => {
+                    let frame = start.current[j];
+                    (Some(frame.rotation), Some(frame.position))
+                }
+                None => (None, None),
+                Some(p) => {
+                    let (joints, Held { rotation, position }) =
+                        (&skeleton.joints, held[p as usize]);
+                    let offset = joints[j] - joints[p as usize];
+                    let bending = &start.bending[j];
+                    let bent = rotation.filter(|_| pose && bending.stiffness > 0.0);
+                    let carried = rotation.zip(position).map(|(r, c)| c + r * offset);
+                    (bent.map(|r| r * bending.rest_rotation), carried)
+                }
+            };
+            held[j] = Held {
+                rotation: own.rotation.or(rotation),
+                position: own.position.or(position),
+            };
+        }
     }
 
     /// E(frames) − E(base), term by term.
@@ -195,6 +255,7 @@ impl SkeletonPotential {
             limit: sum(&self.limits, base, frames),
             tracking: sum(&self.tracking, base, frames),
             gravity: self.gravity.difference(base, frames),
+            preload: sum(&self.preload, base, frames),
         }
     }
 
@@ -239,10 +300,25 @@ impl SkeletonPotential {
             .chain(dynamic(&self.limits))
             .chain(dynamic(&self.tracking))
             .chain(dynamic(std::slice::from_ref(&self.gravity)))
+            .chain(dynamic(&self.preload))
     }
 
-    /// The terms of targets.
-    pub fn tracking(&self) -> &[TrackingSpring] {
-        &self.tracking
+    /// The force on the bone of each target and the torque about its joint, N and N·m: its own, and that with which its weight
+    /// is carried beforehand.
+    pub fn target_loads<'a>(
+        &'a self,
+        frames: &'a [Frame],
+    ) -> impl Iterator<Item = (usize, DVec3, DVec3)> + 'a {
+        self.tracking.iter().map(|term| {
+            let bone = term.bone();
+            let (force, torque) = term.load(frames);
+            let carried = (self
+                .preload
+                .binary_search_by_key(&bone, PreloadedBone::bone))
+            .map_or((DVec3::ZERO, DVec3::ZERO), |at| {
+                self.preload[at].load(frames)
+            });
+            (bone, force + carried.0, torque + carried.1)
+        })
     }
 }

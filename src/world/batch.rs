@@ -3,7 +3,7 @@
 use super::backend::{Evaluator, Opened, Room};
 use super::character::{Character, rigid};
 use super::near::SkinBounds;
-use super::pose_springs::pose_stiffness;
+use super::pose_springs::{PoseSpring, pose_springs};
 use crate::model::{Avatar, Frame, RigidBody};
 use crate::sim::{Physics, Settings, Solvers};
 use crate::skeleton::SkeletonModel;
@@ -28,7 +28,7 @@ pub(super) struct Batch {
     /// Its first member.
     pub first: usize,
     pub is_body: bool,
-    pose_stiffness: Arc<[f64]>,
+    pose_springs: Arc<[PoseSpring]>,
 }
 
 impl Batch {
@@ -55,7 +55,7 @@ impl Batch {
             room,
             first: 0,
             is_body,
-            pose_stiffness: pose_stiffness(&base),
+            pose_springs: pose_springs(&base),
             base,
         };
         Ok((batch, evaluator))
@@ -137,7 +137,7 @@ impl Batch {
             &self.avatar,
             settings,
             gravity,
-            &self.pose_stiffness,
+            &self.pose_springs,
             placement,
         )
     }

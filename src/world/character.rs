@@ -1,5 +1,6 @@
 //! One avatar that stands in a world: what drives it, between steps.
 
+use super::pose_springs::PoseSpring;
 use crate::model::{Avatar, Frame, Integrator, State};
 use crate::potential::TissueFactors;
 use crate::potential::cpu::skin_displacement;
@@ -35,7 +36,7 @@ pub struct Character {
     pub(super) instance: Instance,
     pub(super) driving: Driving,
     /// Stiffness of each joint's spring that holds the bind pose, N·m/rad.
-    pub(super) pose_stiffness: Arc<[f64]>,
+    pub(super) pose_springs: Arc<[PoseSpring]>,
     /// Where the asset's own space is in the world.
     placement: Frame,
     pub(super) report: InstanceReport,
@@ -65,7 +66,7 @@ impl Character {
         avatar: &Arc<Avatar>,
         settings: &Settings,
         gravity: DVec3,
-        pose_stiffness: &Arc<[f64]>,
+        pose_springs: &Arc<[PoseSpring]>,
         placement: &Frame,
     ) -> Self {
         let mut instance = Instance::new(avatar, settings);
@@ -74,7 +75,7 @@ impl Character {
             avatar: avatar.clone(),
             instance,
             driving: Driving::Held,
-            pose_stiffness: pose_stiffness.clone(),
+            pose_springs: pose_springs.clone(),
             placement: *placement,
             report: InstanceReport::default(),
             frames: Vec::new(),

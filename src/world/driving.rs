@@ -3,7 +3,7 @@
 use super::character::{Character, Driving};
 use crate::model::Frame;
 use crate::sim::Pin;
-use crate::skeleton::{Spring, Tracking};
+use crate::skeleton::{Preload, Spring, Tracking};
 use crate::{Error, Result};
 use glam::Mat4;
 
@@ -79,6 +79,7 @@ impl Character {
             target.frame = frame;
             (target.rotation, target.position) = (Some(rotation), Some(position));
         }
+        instance.preload = Preload::Targets;
         self.drive_by(Driving::Tracked);
         Ok(())
     }
@@ -106,7 +107,7 @@ impl Character {
     }
 
     /// The root is held where it was put, and springs keep the bind pose: so a character stands of which nothing else is
-    /// said. Each joint's spring gives way to the weight that hangs on it by a degree at most.
+    /// said. Each joint's spring gives way to the weight that hangs on it by 0.06° at most, and does not swing.
     pub fn hold(&mut self) {
         let root = self.rest_frame(0);
         let instance = &mut self.instance;
@@ -116,12 +117,15 @@ impl Character {
             bone: 0,
             frame: root,
         });
-        let bending = instance.bending.iter_mut().zip(&*self.pose_stiffness);
-        bending.for_each(|(bending, &stiffness)| bending.stiffness = stiffness);
+        for (bending, spring) in instance.bending.iter_mut().zip(&*self.pose_springs) {
+            (bending.stiffness, bending.damping) = (spring.stiffness, spring.damping);
+        }
+        instance.preload = Preload::Pose;
         self.driving = Driving::Held;
     }
 
-    /// Nothing drives it: it falls. Joints keep their ranges, and bend against springs of `bending_stiffness`, N·m/rad.
+    /// Nothing drives it: it falls. Joints keep their ranges, and bend against springs of `bending_stiffness`, N·m/rad, and
+    /// against dampers that let a limb of any weight swing out as a relaxed person's does.
     ///
     /// # Errors
     /// A stiffness that is neither 0 nor positive.
@@ -134,7 +138,10 @@ impl Character {
         let instance = &mut self.instance;
         instance.targets.clear();
         instance.pins.clear();
-        (instance.bending.iter_mut()).for_each(|bending| bending.stiffness = bending_stiffness);
+        for (bending, spring) in instance.bending.iter_mut().zip(&*self.pose_springs) {
+            (bending.stiffness, bending.damping) = (bending_stiffness, spring.relaxed_damping);
+        }
+        instance.preload = Preload::Off;
         self.driving = Driving::Ragdoll;
         Ok(())
     }

@@ -21,6 +21,7 @@
 //! | `contacts` | what presses where on them |
 //! | `meetings` | who touches what in a step |
 //! | `step` | a step |
+//! | `settle` | all characters into equilibrium |
 //! | `snapshot` | all that moves, as bytes and back |
 
 mod backend;
@@ -41,6 +42,7 @@ mod late_ends;
 mod meetings;
 mod near;
 mod pose_springs;
+mod settle;
 mod skins;
 mod snapshot;
 mod step;

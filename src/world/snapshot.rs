@@ -10,7 +10,7 @@ use crate::file::Section;
 use crate::model::{Avatar, Frame, History, Integrator, State, UpAxis};
 use crate::potential::TissueFactors;
 use crate::sim::{Pin, Settings, SolverMode, SpringMode};
-use crate::skeleton::{Bending, JointLimit, Tracking};
+use crate::skeleton::{Bending, JointLimit, Preload, Tracking};
 use crate::{Error, Result};
 use glam::{DMat3, DVec3};
 use serde::de::DeserializeOwned;
@@ -100,6 +100,7 @@ impl From<StoredSettings> for Settings {
             joint_stiffness: stored.joint_stiffness,
             bending_stiffness: stored.bending_stiffness,
             limit_stiffness: stored.limit_stiffness,
+            joint_damping_time: 0.0,
             slip_speed: stored.slip_speed,
             geometric_contact: stored.geometric_contact,
             report_at_end: stored.report_at_end,
@@ -126,16 +127,20 @@ struct StoredIntegration {
     bdf2: bool,
     longest_step: f64,
     largest_acceleration: f64,
+    joint_damping_time: f64,
     /// Of the budgeted solver.
     budget: Option<usize>,
 }
 
-/// What came before a state, and where each target was.
+/// What came before a state, where each target was, and what joints damp.
 #[derive(Serialize, Deserialize)]
 struct StoredHistory {
     history: History,
     inertia_share: f64,
     earlier_targets: Vec<Frame>,
+    bending_damping: Vec<f64>,
+    limit_damping: Vec<f64>,
+    preload: Preload,
 }
 
 /// What the states do not say of spring bones.
@@ -225,6 +230,9 @@ impl Character {
             history: instance.history.clone(),
             inertia_share: instance.inertia_share,
             earlier_targets: instance.targets.iter().map(|t| t.earlier).collect(),
+            bending_damping: instance.bending.iter().map(|b| b.damping).collect(),
+            limit_damping: instance.limits.iter().map(|l| l.damping).collect(),
+            preload: instance.preload,
         }
     }
 
@@ -248,15 +256,24 @@ impl Character {
         instance.state = stored.state;
         match history {
             Some(stored) => {
-                if stored.earlier_targets.len() != instance.targets.len() {
+                let counted = stored.earlier_targets.len() == instance.targets.len()
+                    && stored.bending_damping.len() == instance.bending.len()
+                    && stored.limit_damping.len() == instance.limits.len();
+                if !counted {
                     return Err(damaged());
                 }
+                let bending = instance.bending.iter_mut().zip(stored.bending_damping);
+                bending.for_each(|(bending, damping)| bending.damping = damping);
+                let limits = instance.limits.iter_mut().zip(stored.limit_damping);
+                limits.for_each(|(limit, damping)| limit.damping = damping);
                 let targets = instance.targets.iter_mut().zip(stored.earlier_targets);
                 targets.for_each(|(target, earlier)| target.earlier = earlier);
+                instance.preload = stored.preload;
                 instance.history = stored.history;
                 instance.inertia_share = stored.inertia_share;
             }
             None => {
+                instance.preload = Preload::Off;
                 let spaces = (stored.previous.space(), instance.state.space());
                 if spaces.0 != spaces.1 {
                     return Err(damaged());
@@ -322,6 +339,7 @@ impl World {
             bdf2: self.settings.integrator == Integrator::Bdf2,
             longest_step: self.settings.longest_step,
             largest_acceleration: self.settings.largest_acceleration,
+            joint_damping_time: self.settings.joint_damping_time,
             budget: match self.settings.solver {
                 SolverMode::Budgeted { max_iterations } => Some(max_iterations),
                 _ => None,
@@ -360,6 +378,7 @@ impl World {
         if let Some(stored) = read_optional::<StoredIntegration>(snapshot, INTEGRATION)? {
             settings.longest_step = stored.longest_step;
             settings.largest_acceleration = stored.largest_acceleration;
+            settings.joint_damping_time = stored.joint_damping_time;
             if stored.bdf2 {
                 settings.integrator = Integrator::Bdf2;
             }

@@ -62,7 +62,7 @@ impl World {
     }
 
     /// One step; the `last` of a frame completes the reports.
-    async fn substep(
+    pub(super) async fn substep(
         &mut self,
         time_step: f64,
         jump: bool,

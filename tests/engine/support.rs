@@ -117,6 +117,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         cubature,
         skin,
         triangles,
+        contact_stiffness: Vec::new(),
         attached: Rows::default(),
         pose_extension: Rows::default(),
         render_meshes: Vec::new(),

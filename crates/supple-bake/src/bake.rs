@@ -1,6 +1,7 @@
 //! The bake itself, phase after phase.
 
 use super::attached::{followed, with_attachments};
+use super::contact_stiffness::contact_stiffness;
 use super::interior::InteriorField;
 use super::local_tissue::local_tissue;
 use super::pose_extension::pose_extension;
@@ -203,6 +204,7 @@ fn bake_phases(
         cubature: points,
         skin,
         triangles,
+        contact_stiffness: Vec::new(),
         attached,
         pose_extension: extension,
         render_meshes: body.render_meshes.clone(),
@@ -226,6 +228,7 @@ fn bake_phases(
         body_slots: 0,
     };
     soft.calibrate(&mut avatar, &cubature.tets, &base)?;
+    avatar.contact_stiffness = contact_stiffness(&avatar, &softness.depth);
     let mut handle_report = HandleReport::new(
         body,
         &avatar.handles,

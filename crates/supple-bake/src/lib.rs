@@ -11,6 +11,7 @@ mod bake;
 mod basis;
 mod body;
 mod bones;
+mod contact_stiffness;
 mod cubature;
 mod depth;
 mod file;

@@ -2,9 +2,7 @@
 
 use crate::avatar_source::AvatarSource;
 use crate::motion::{Playback, TrackedMotion};
-use crate::scene::{
-    Measure, Motion, Output, PanelTime, Pinned, Placement, Scene, SceneCollider, contact_stiffness,
-};
+use crate::scene::{Measure, Motion, Output, PanelTime, Pinned, Placement, Scene, SceneCollider};
 use glam::DVec3;
 use serde::Serialize;
 use std::fmt;
@@ -13,6 +11,7 @@ use supple::internal::cpu::posed_skin;
 use supple::internal::math::rotation_log;
 use supple::model::{Avatar, State, UpAxis};
 use supple::sim::Settings;
+use supple::skeleton::Preload;
 use supple::{Error, Result};
 
 /// What a shown avatar does.
@@ -75,6 +74,8 @@ impl Scene {
             damping_time: None,
             placement: Placement::default(),
             pose: Vec::new(),
+            preload: Preload::default(),
+            settle: true,
             pins: Vec::new(),
             targets: Vec::new(),
             limits: Vec::new(),
@@ -256,7 +257,7 @@ impl Scene {
         self.colliders.push(SceneCollider {
             name: "ground".into(),
             shape: Shape::HalfSpace.into(),
-            stiffness: contact_stiffness(),
+            stiffness: None,
             margin: 0.0,
             friction: 0.0,
             motion,

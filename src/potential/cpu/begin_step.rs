@@ -197,11 +197,11 @@ impl Step {
             let unposed = self.skin_unposed(asset, v, &motion.handles);
             contact_point(asset.skin.skinning.row(v), joints, frames, unposed)
         };
-        let areas = &asset.avatar.skin.measure;
+        let stiffness = |v, k| self.contact_stiffness(asset, v, k);
         let (candidates, places) = (&touching.candidates, &touching.collider_frames);
         lag(
             candidates,
-            areas,
+            stiffness,
             &self.colliders,
             places,
             point,
@@ -327,14 +327,21 @@ impl Step {
         self.skin_rest[v] + unposed_displacement(asset.skin.basis.row(v), handles)
     }
 
+    /// k a of skin vertex `v` and collider `k`, N/m.
+    pub fn contact_stiffness<B: Basis>(&self, asset: &Asset<B>, v: usize, k: usize) -> f64 {
+        let tissue = asset.avatar.contact_stiffness_at(v) * self.factors.stiffness;
+        self.colliders[k].stiffness_on(tissue) * asset.avatar.skin.measure[v]
+    }
+
     /// Σ ½ k a δ² of the candidates, J.
     pub fn sum_contact_energy<B: Basis>(&self, asset: &Asset<B>, candidates: &[Candidate]) -> f64 {
         let rows = candidates.chunks_exact(self.colliders.len().max(1));
         let mut sum = 0.0;
-        for (row, area) in rows.zip(&asset.avatar.skin.measure) {
-            for (candidate, collider) in row.iter().zip(&self.colliders) {
+        for (v, row) in rows.enumerate() {
+            for (k, candidate) in row.iter().enumerate() {
                 if candidate.depth > 0.0 {
-                    sum += energy::contact(collider.stiffness * area, 0.0, candidate.depth);
+                    let stiffness = self.contact_stiffness(asset, v, k);
+                    sum += energy::contact(stiffness, 0.0, candidate.depth);
                 }
             }
         }

@@ -8,58 +8,53 @@ use crate::model::Frame;
 use glam::DVec3;
 
 /// Lists the candidates that touch, and returns how many there are. `candidates` holds
-/// one for each (vertex, collider), vertex-major; `areas` is that of each vertex, m².
+/// one for each (vertex, collider), vertex-major; `stiffness` is k a of such a pair, N/m.
 pub fn compact(
     candidates: &[Candidate],
-    areas: &[f64],
+    stiffness: impl Fn(usize, usize) -> f64,
     colliders: &[Collider],
     out: &mut Vec<ContactRow>,
 ) -> usize {
     out.clear();
-    for_each(
-        candidates,
-        areas,
-        colliders,
-        |vertex, k, candidate, area| {
-            let (collider, vertex) = (&colliders[k], vertex as u32);
-            let stiffness = collider.stiffness * area;
-            out.push(ContactRow::normal(candidate, stiffness, vertex, collider));
-        },
-    );
+    for_each(candidates, colliders.len(), |v, k, candidate| {
+        let stiffness = stiffness(v, k);
+        out.push(ContactRow::normal(
+            candidate,
+            stiffness,
+            v as u32,
+            &colliders[k],
+        ));
+    });
     out.len()
 }
 
 /// Lists the candidates of qⁿ against the colliders of tⁿ that have friction. They push with λ = k a δ |∇d|,
-/// as ∇d between samples of a distance is no unit vector; where it vanishes nothing has_friction. `frames` are those that the colliders are fixed to, at tⁿ; `point` gives a vertex's place, m.
+/// as ∇d between samples of a distance is no unit vector; where it vanishes nothing has_friction. `stiffness` is k a of a
+/// vertex and a collider, N/m; `frames` are those that the colliders are fixed to, at tⁿ; `point` gives a vertex's place, m.
 pub fn lag(
     candidates: &[Candidate],
-    areas: &[f64],
+    stiffness: impl Fn(usize, usize) -> f64,
     colliders: &[Collider],
     frames: &[Frame],
     point: impl Fn(usize) -> DVec3,
     out: &mut Vec<Lagged>,
 ) {
     out.clear();
-    for_each(
-        candidates,
-        areas,
-        colliders,
-        |vertex, k, candidate, area| {
-            let (collider, frame) = (&colliders[k], &frames[k]);
-            if collider.friction > 0.0 {
-                let (slope, normal) = length_and_direction(candidate.normal);
-                let force = collider.stiffness * area * candidate.depth * slope;
-                out.push(Lagged {
-                    vertex: vertex as u32,
-                    collider: k as u32,
-                    body: collider.body,
-                    anchor: frame.inverse_transform(point(vertex)),
-                    normal: frame.rotation.transpose() * normal,
-                    limit: collider.friction * force,
-                });
-            }
-        },
-    );
+    for_each(candidates, colliders.len(), |vertex, k, candidate| {
+        let (collider, frame) = (&colliders[k], &frames[k]);
+        if collider.friction > 0.0 {
+            let (slope, normal) = length_and_direction(candidate.normal);
+            let force = stiffness(vertex, k) * candidate.depth * slope;
+            out.push(Lagged {
+                vertex: vertex as u32,
+                collider: k as u32,
+                body: collider.body,
+                anchor: frame.inverse_transform(point(vertex)),
+                normal: frame.rotation.transpose() * normal,
+                limit: collider.friction * force,
+            });
+        }
+    });
 }
 
 /// |∇d|, and n along it; z where there is none.
@@ -71,18 +66,16 @@ fn length_and_direction(gradient: DVec3) -> (f64, DVec3) {
     (0.0, DVec3::Z)
 }
 
-/// Calls `f(vertex, collider, candidate, area)` for what touches.
+/// Calls `f(vertex, collider, candidate)` for what touches one of so many `colliders`.
 fn for_each(
     candidates: &[Candidate],
-    areas: &[f64],
-    colliders: &[Collider],
-    mut f: impl FnMut(usize, usize, &Candidate, f64),
+    colliders: usize,
+    mut f: impl FnMut(usize, usize, &Candidate),
 ) {
-    let rows = candidates.chunks_exact(colliders.len().max(1)).zip(areas);
-    for (vertex, (row, &area)) in rows.enumerate() {
+    for (vertex, row) in candidates.chunks_exact(colliders.max(1)).enumerate() {
         for (k, candidate) in row.iter().enumerate() {
             if candidate.depth > 0.0 {
-                f(vertex, k, candidate, area);
+                f(vertex, k, candidate);
             }
         }
     }
@@ -100,7 +93,7 @@ mod tests {
             friction: 0.5,
             ..Collider::new(Shape::HalfSpace, Frame::IDENTITY)
         };
-        let (area, direction) = (2e-6, DVec3::new(0.6, 0.0, 0.8));
+        let (stiffness, direction) = (200.0, DVec3::new(0.6, 0.0, 0.8));
         for slope in [1.0, 0.4, 1e-9, 0.0] {
             let candidate = Candidate {
                 depth: 1e-3,
@@ -109,8 +102,9 @@ mod tests {
             let mut lagged = Vec::new();
             let (colliders, frames) = (std::slice::from_ref(&rough), &[Frame::IDENTITY]);
             let point = |_| DVec3::ZERO;
-            lag(&[candidate], &[area], colliders, frames, point, &mut lagged);
-            let push = ContactRow::normal(&candidate, rough.stiffness * area, 0, &rough);
+            let of_pair = |_, _| stiffness;
+            lag(&[candidate], of_pair, colliders, frames, point, &mut lagged);
+            let push = ContactRow::normal(&candidate, stiffness, 0, &rough);
             let force = (push.force * push.direction).length();
             assert!((lagged[0].limit - 0.5 * force).abs() <= 1e-15 * force);
             assert!((lagged[0].normal.length() - 1.0).abs() < 1e-15);

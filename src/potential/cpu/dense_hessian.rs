@@ -75,9 +75,9 @@ impl<B: Basis> CpuPotential<B> {
 
         let (mut touching, mut rows) = (Touching::default(), Vec::new());
         step.contact(asset, &motion, &mut touching);
-        let areas = &avatar.skin.measure;
+        let stiffness = |v, k| step.contact_stiffness(asset, v, k);
         let colliders = &step.colliders;
-        compact(&touching.candidates, areas, colliders, &mut rows);
+        compact(&touching.candidates, stiffness, colliders, &mut rows);
         for k in 0..step.lagged.len() {
             let change = step.slip_change(asset, k, &step.current.handles, &motion);
             let slip = step.slip(k, step.start_slip(k) + change, &motion);
@@ -109,12 +109,7 @@ impl<B: Basis> CpuPotential<B> {
                 let (v, k) = (index / colliders.len(), index % colliders.len());
                 if candidate.depth > 0.0 {
                     let collider = &colliders[k];
-                    let row = ContactRow::normal(
-                        candidate,
-                        collider.stiffness * areas[v],
-                        v as u32,
-                        collider,
-                    );
+                    let row = ContactRow::normal(candidate, stiffness(v, k), v as u32, collider);
                     let body = side(&row);
                     let curvature =
                         collider.curvature(&touching.collider_frames[k], body.position());

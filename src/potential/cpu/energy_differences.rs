@@ -43,12 +43,11 @@ impl Instance {
         let colliders = step.colliders.len().max(1);
         let mut foresight = Foresight::default();
         for (k, (before, after)) in pairs.enumerate() {
-            let stiffness = step.colliders[k % colliders].stiffness;
-            let area = asset.avatar.skin.measure[k / colliders];
-            energies.contact += energy::contact(stiffness * area, before.depth, after.depth);
-            foresight.pressing += stiffness * area * after.depth;
+            let stiffness = step.contact_stiffness(asset, k / colliders, k % colliders);
+            energies.contact += energy::contact(stiffness, before.depth, after.depth);
+            foresight.pressing += stiffness * after.depth;
             if (before.depth > 0.0) != (after.depth > 0.0) {
-                foresight.unforeseen += stiffness * area * before.depth.max(after.depth);
+                foresight.unforeseen += stiffness * before.depth.max(after.depth);
             }
         }
         for (k, lagged) in step.lagged.iter().enumerate() {

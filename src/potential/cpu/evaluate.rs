@@ -147,9 +147,9 @@ impl Instance {
 
     /// The rows of what touches, the normals' before friction's; how many contacts there are.
     pub fn list_contacts<B: Basis>(&mut self, asset: &Asset<B>) -> usize {
-        let areas = &asset.avatar.skin.measure;
+        let stiffness = |v, k| self.step.contact_stiffness(asset, v, k);
         let (candidates, colliders) = (&self.touching.candidates, &self.step.colliders);
-        let count = compact(candidates, areas, colliders, &mut self.contacts);
+        let count = compact(candidates, stiffness, colliders, &mut self.contacts);
         self.evaluate_slips(asset);
         count
     }

@@ -24,6 +24,7 @@ impl Stage for Energy {
         "shared/tensor.wgsl",
         "shared/decomposition.wgsl",
         "shared/contact.wgsl",
+        "shared/contact_stiffness.wgsl",
         "shared/friction.wgsl",
         "shared/tissue.wgsl",
         MATERIAL,

@@ -21,6 +21,7 @@ impl Stage for Friction {
         "shared/kinematics.wgsl",
         "shared/point_motion.wgsl",
         "shared/contact.wgsl",
+        "shared/contact_stiffness.wgsl",
         "shared/friction.wgsl",
         "shared/exclusive_sum.wgsl",
     ];

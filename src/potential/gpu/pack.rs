@@ -130,7 +130,7 @@ pub(super) fn collider(
     Collider {
         rotation: columns(place.rotation),
         position: round(place.position),
-        stiffness: collider.stiffness as f32,
+        stiffness: collider.stiffness.unwrap_or(0.0) as f32,
         parameters,
         margin: collider.margin as f32,
         shape: collider.shape.index(),

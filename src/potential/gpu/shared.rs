@@ -99,6 +99,8 @@ host_shareable! {
         pub first_share: u32,
         /// Number of skin vertices that it follows.
         pub shares: u32,
+        /// Of a skin vertex: k of the tissue under it, Pa/m.
+        pub contact_stiffness: f32,
     }
 
     /// What the material has of its own at a cubature point (kernels/shared/tissue.wgsl).

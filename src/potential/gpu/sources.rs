@@ -23,6 +23,7 @@ const PARTS: &[(&str, &str)] = texts![
     "shared/decomposition.wgsl",
     "shared/distance.wgsl",
     "shared/contact.wgsl",
+    "shared/contact_stiffness.wgsl",
     "shared/friction.wgsl",
     "shared/exclusive_sum.wgsl",
     "shared/tissue.wgsl",

@@ -139,7 +139,12 @@ impl Tables {
         let own: Rows<_> = (0..vertices).map(|v| [(v, 1.0)]).collect();
         let cubature = (&avatar.cubature, &avatar.pose_extension);
         let cubature = PointTable::new(space, cubature, "cubature", MAX_POINT_BLOCKS)?;
-        let skin = PointTable::new(space, (&avatar.skin, &own), "skin", MAX_VERTEX_BLOCKS)?;
+        let mut skin = PointTable::new(space, (&avatar.skin, &own), "skin", MAX_VERTEX_BLOCKS)?;
+        for (v, point) in skin.points.iter_mut().enumerate() {
+            /// Infinity is no number to a kernel.
+            const MOST: f64 = 1e30;
+            point.contact_stiffness = avatar.contact_stiffness_at(v).min(MOST) as f32;
+        }
         let pattern =
             BlockPattern::new(space, &avatar.carried(), &[&avatar.cubature, &avatar.skin])
                 .with_bodies(&avatar.body_frames(), &skin.blocks);

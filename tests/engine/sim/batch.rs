@@ -26,7 +26,7 @@ fn drive(instance: &mut Instance, k: usize, avatar: &supple::model::Avatar) {
     };
     instance.colliders = vec![
         Collider {
-            stiffness: 1e6,
+            stiffness: Some(1e6),
             margin: 1e-4,
             ..Collider::new(Shape::Sphere { radius: 0.04 }, frame)
         };

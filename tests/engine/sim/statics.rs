@@ -12,7 +12,7 @@ use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame, Integrator};
 use supple::potential::{CpuPotential, Evaluation, Potential};
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
-use supple::skeleton::Tracking;
+use supple::skeleton::{Preload, Tracking};
 
 fn simulation(avatar: &Avatar, settings: Settings) -> Simulation<CpuPotential> {
     let potential = CpuPotential::new(Arc::new(avatar.clone()), 1).unwrap();
@@ -51,6 +51,89 @@ fn without_gravity_a_static_pose_is_forward_kinematics() -> Result<()> {
     Ok(())
 }
 
+/// Method §8 has springs sag by up to 0.1 mm; loaded beforehand they do not sag at all, for a shape that was captured under
+/// gravity and for one that was not once it has settled. Bounds of motion.md §6.
+#[test]
+fn at_rest_under_gravity_nothing_moves_that_is_preloaded_and_settled() -> Result<()> {
+    for captured in [true, false] {
+        for (preload, targets) in [(Preload::Targets, true), (Preload::Pose, false)] {
+            let avatar = support::full_space_limb(&support::SMALL, 3, captured);
+            let mut simulation = simulation(&avatar, Settings::default());
+            let frames = bent(&avatar);
+            let instance = &mut simulation.instances_mut()[0];
+            instance.pose(&frames, &avatar.skeleton.parents);
+            instance.preload = preload;
+            if targets {
+                let targets = frames.iter().enumerate();
+                instance.targets = targets.map(|(j, f)| Tracking::new(j, *f)).collect();
+            } else {
+                let frame = frames[0];
+                instance.pins.push(Pin { bone: 0, frame });
+            }
+            if !captured {
+                let last = simulation.settle_blocking()?;
+                assert!(last < 1e-7, "{last:e} m");
+            }
+            let start = simulation.instances()[0].state.clone();
+            let sagged = start.handles.iter().map(|h| h.length()).fold(0.0, f64::max);
+            assert_eq!(sagged == 0.0, captured, "{sagged:e} m");
+            for _ in 0..60 {
+                simulation.step_blocking()?;
+            }
+            let state = &simulation.instances()[0].state;
+            let [a, b] = [&start, state].map(|q| support::posed(&avatar, &avatar.skin, q));
+            let moved = support::largest_distance(&a, &b);
+            assert!(
+                moved < 1e-5,
+                "captured {captured}, {preload:?}: the skin moved {moved:e} m"
+            );
+            let swung = start.handles.iter().zip(&state.handles);
+            let swung = swung.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+            assert!(
+                swung < 1e-6,
+                "captured {captured}, {preload:?}: φ {swung:e} m"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// What settles is where damped steps come to rest, and without preload springs sag.
+#[test]
+fn settling_is_where_a_long_run_ends() -> Result<()> {
+    let avatar = support::full_space_limb(&support::SMALL, 3, false);
+    let settings = Settings {
+        integrator: Integrator::BackwardEuler,
+        time_step: 0.05,
+        ..Settings::default()
+    };
+    let mut ends = Vec::new();
+    for settle in [false, true] {
+        let mut simulation = simulation(&avatar, settings);
+        let instance = &mut simulation.instances_mut()[0];
+        let frame = instance.state.frames[0];
+        instance.pins.push(Pin { bone: 0, frame });
+        if settle {
+            let pins = instance.pins.clone();
+            simulation.settle_blocking()?;
+            let instance = &simulation.instances()[0];
+            assert_eq!(instance.pins, pins);
+        } else {
+            for _ in 0..400 {
+                simulation.step_blocking()?;
+            }
+        }
+        ends.push(simulation.instances()[0].state.clone());
+    }
+    let [a, b] = [0, 1].map(|k| support::posed(&avatar, &avatar.skin, &ends[k]));
+    let apart = support::largest_distance(&a, &b);
+    assert!(apart < 1e-6, "{apart:e} m apart");
+    let start = support::posed(&avatar, &avatar.skin, &avatar.rest_state());
+    let sag = support::largest_distance(&start, &b);
+    assert!(sag > 1e-4, "it sags by {sag:e} m only");
+    Ok(())
+}
+
 #[test]
 fn under_gravity_a_captured_shape_stays_and_joints_sag_little() -> Result<()> {
     let avatar = support::full_space_limb(&support::SMALL, 3, true);
@@ -68,6 +151,7 @@ fn under_gravity_a_captured_shape_stays_and_joints_sag_little() -> Result<()> {
     target.rotation.as_mut().unwrap().stiffness = 2e3;
     target.position.as_mut().unwrap().stiffness = 1e6;
     instance.targets = vec![target];
+    instance.preload = Preload::Off;
     for _ in 0..300 {
         simulation.step_blocking()?;
     }

@@ -205,7 +205,7 @@ fn an_unusable_collider_is_named_and_nothing_moves() -> Result<()> {
     let before = world.instance(key)?.state().clone();
     for spoil in [
         (|c| c.frame.position.x = f64::NAN) as fn(&mut Collider),
-        |c| c.stiffness = -1.0,
+        |c| c.stiffness = Some(-1.0),
         |c| c.shape = Shape::Sphere { radius: f64::NAN },
     ] {
         let good = world.collider_mut(second)?.clone();

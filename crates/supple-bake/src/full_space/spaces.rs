@@ -58,6 +58,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         cubature: whole_layer(avatar, &basis)?,
         skin,
         triangles: avatar.triangles.clone(),
+        contact_stiffness: avatar.contact_stiffness.clone(),
         attached: avatar.attached.clone(),
         pose_extension: Rows::default(),
         render_meshes: avatar.render_meshes.clone(),

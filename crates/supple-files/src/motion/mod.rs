@@ -3,6 +3,7 @@
 
 mod bone_map;
 mod clip_player;
+mod cubic;
 pub(crate) mod figure;
 mod fit;
 mod ground;

@@ -1,5 +1,6 @@
 //! Recorded motion of a skeleton, before it is mapped onto an avatar's.
 
+use super::cubic;
 use glam::{DMat3, DQuat, DVec3};
 use supple::model::{Frame, UpAxis};
 use supple::{Error, Result};
@@ -61,8 +62,8 @@ impl MotionClip {
             .step_by(self.frames.len().div_ceil(100).max(1))
     }
 
-    /// The pose at `time`, s from the first frame: translations interpolated linearly, rotations along
-    /// the shorter arc. It stands still before the first frame and after the last.
+    /// The pose at `time`, s from the first frame: cubic in between ([`cubic`](super::cubic)), since a body that is drawn along
+    /// chords is struck at each frame and its tissue rings. It stands still before the first frame and after the last.
     pub fn sample(&self, time: f64) -> MotionFrame {
         let last = self.frames.len().saturating_sub(1);
         // NaN becomes 0.
@@ -73,12 +74,22 @@ impl MotionClip {
         if part == 0.0 {
             return a.clone();
         }
-        let b = &self.frames[before + 1];
-        let pairs = a.translations.iter().zip(&b.translations);
-        let turns = a.rotations.iter().zip(&b.rotations);
+        // The frames around, without one beyond an end.
+        let around = [
+            before.checked_sub(1).map(|i| &self.frames[i]),
+            Some(a),
+            Some(&self.frames[before + 1]),
+            self.frames.get(before + 2),
+        ];
+        let place = |k: usize| around.map(|frame| frame.map(|f| f.translations[k]));
+        let turn = |j: usize| around.map(|frame| frame.map(|f| f.rotations[j]));
         MotionFrame {
-            translations: pairs.map(|(a, b)| a.lerp(*b, part)).collect(),
-            rotations: turns.map(|(a, b)| a.slerp(*b, part)).collect(),
+            translations: (0..a.translations.len())
+                .map(|k| cubic::place(place(k), part))
+                .collect(),
+            rotations: (0..a.rotations.len())
+                .map(|j| cubic::rotation(turn(j), part))
+                .collect(),
         }
     }
 

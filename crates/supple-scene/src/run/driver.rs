@@ -8,7 +8,7 @@ use supple::collider::Collider;
 use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame};
 use supple::sim::{Instance, Pin};
-use supple::skeleton::Tracking;
+use supple::skeleton::{Preload, Tracking};
 use supple::{Error, Result};
 use supple_files::BoneMap;
 
@@ -18,6 +18,7 @@ pub struct Driver {
     file_axes: DMat3,
     start: Vec<Frame>,
     motion: Option<MotionDriver>,
+    preload: Preload,
     pins: Vec<(usize, Motion)>,
     targets: Vec<(usize, Target)>,
     colliders: Vec<SceneCollider>,
@@ -93,6 +94,7 @@ impl Driver {
             file_axes: avatar.standing(scene.up()).rotation,
             start,
             motion,
+            preload: scene.preload,
             pins,
             targets,
             colliders: scene.colliders.clone(),
@@ -101,15 +103,12 @@ impl Driver {
         })
     }
 
-    /// Puts `instance` where the scene starts, at rest but for its bodies and a clip that is not eased in.
+    /// Puts `instance` where the scene starts, at rest; [`Driver::launch`] says what moves there.
     pub fn start(&self, avatar: &Avatar, instance: &mut Instance) {
         instance.pose(&self.start, &avatar.skeleton.parents);
         instance.gravity = self.gravity;
         instance.file_axes = self.file_axes;
-        for (i, body) in self.bodies.iter().enumerate() {
-            let frame = avatar.body_frame(i);
-            instance.set_motion(frame, self.start[frame], body.velocity, body.spin());
-        }
+        instance.preload = self.preload;
         let pin = |(bone, motion): &(usize, Motion)| Pin {
             bone: *bone,
             frame: self.driven(*bone, motion, 0.0),
@@ -122,7 +121,7 @@ impl Driver {
         };
         instance.targets = self.targets.iter().map(target).collect();
         if let Some(motion) = &self.motion {
-            motion.start(&self.start, self.time_step, instance);
+            motion.start(&self.start, instance);
         }
         let collider = |c: &SceneCollider| Collider {
             stiffness: c.stiffness,
@@ -132,6 +131,18 @@ impl Driver {
         };
         instance.colliders = avatar.body_colliders().collect();
         (instance.colliders).extend(self.colliders.iter().map(collider));
+    }
+
+    /// Gives what moves at the start its velocity: bodies, and bones of a clip that is not eased in.
+    pub fn launch(&self, avatar: &Avatar, instance: &mut Instance) {
+        for (i, body) in self.bodies.iter().enumerate() {
+            let frame = avatar.body_frame(i);
+            let at = instance.state.frames[frame];
+            instance.set_motion(frame, at, body.velocity, body.spin());
+        }
+        if let Some(motion) = &self.motion {
+            motion.launch(&self.start, self.time_step, instance);
+        }
     }
 
     /// Which of the motion's bones drives which of the avatar's, if there is a motion.

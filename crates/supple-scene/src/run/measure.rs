@@ -28,7 +28,7 @@ impl<'a> Measures<'a> {
         Self {
             avatar,
             settled: scene.step_at(scene.measure.settled),
-            full_press: scene.step_at(scene.measure.full_press),
+            full_press: scene.step_at(scene.measure.full_press).max(1),
             time_step: scene.settings.time_step,
             scene: scene.name.clone(),
             steps: Vec::with_capacity(scene.steps),
@@ -49,6 +49,15 @@ impl<'a> Measures<'a> {
     /// What the steps told.
     pub fn steps(&self) -> &[StepReport] {
         &self.steps
+    }
+
+    /// Takes in the state that the scene starts with.
+    pub fn start(&mut self, state: &State) {
+        self.displacement = skin_displacement(self.avatar, state);
+        self.settled_displacement.clone_from(&self.displacement);
+        if let Some(least) = &mut self.report.min_det_f {
+            *least = min_det_f(&self.avatar.layer, state);
+        }
     }
 
     /// Takes in step number `step`, counted from 1.

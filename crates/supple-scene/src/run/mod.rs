@@ -15,6 +15,7 @@ use glam::DVec3;
 use measure::Measures;
 use serde::{Deserialize, Serialize};
 use supple::Result;
+use supple::internal::cpu::posed_skin;
 use supple::model::{Avatar, Frame, State};
 use supple::potential::Potential;
 use supple::sim::{Simulation, StepReport};
@@ -62,6 +63,10 @@ pub fn run_scene<P: Potential>(
 ) -> Result<SceneRun> {
     let mut driver = Driver::new(scene, avatar)?;
     driver.start(avatar, &mut simulation.instances_mut()[0]);
+    if scene.settle {
+        simulation.settle_blocking()?;
+    }
+    driver.launch(avatar, &mut simulation.instances_mut()[0]);
     let mut measures = Measures::new(scene, avatar);
     let mut recording = Recording {
         up: scene.up(),
@@ -70,12 +75,26 @@ pub fn run_scene<P: Potential>(
     };
     let mut snapshots = vec![None; scene.output.panels.len()];
     let (mut skin, mut normals) = (Vec::new(), Vec::new());
-    record(
-        &mut recording,
-        &driver,
-        0.0,
-        &simulation.instances()[0].state,
-    );
+    let start = &simulation.instances()[0].state;
+    record(&mut recording, &driver, 0.0, start);
+    measures.start(start);
+    skin.clone_from(&posed_skin(avatar, start).positions);
+    let mut draw =
+        |step: usize, skin: &[DVec3], displacement: &[DVec3], state: &State, driver: &Driver| {
+            let time = step as f64 * scene.settings.time_step;
+            for (panel, snapshot) in scene.output.panels.iter().zip(&mut snapshots) {
+                if scene.step_at(panel.time) == step {
+                    *snapshot = Some(Snapshot {
+                        panel: panel.clone(),
+                        skin: skin.to_vec(),
+                        displacement: displacement.to_vec(),
+                        colliders: driver.collider_frames(time).collect(),
+                        bodies: state.frames[avatar.bones()..].to_vec(),
+                    });
+                }
+            }
+        };
+    draw(0, &skin, measures.displacement(), start, &driver);
     for step in 1..=scene.steps {
         let time = step as f64 * scene.settings.time_step;
         driver.drive(time, &mut simulation.instances_mut()[0])?;
@@ -86,17 +105,13 @@ pub fn run_scene<P: Potential>(
         if step % scene.output.record_every == 0 || step == scene.steps {
             record(&mut recording, &driver, time, &instance.state);
         }
-        for (panel, snapshot) in scene.output.panels.iter().zip(&mut snapshots) {
-            if scene.step_at(panel.time) == step {
-                *snapshot = Some(Snapshot {
-                    panel: panel.clone(),
-                    skin: skin.clone(),
-                    displacement: measures.displacement().to_vec(),
-                    colliders: driver.collider_frames(time).collect(),
-                    bodies: instance.state.frames[avatar.bones()..].to_vec(),
-                });
-            }
-        }
+        draw(
+            step,
+            &skin,
+            measures.displacement(),
+            &instance.state,
+            &driver,
+        );
         progress(step);
     }
     let steps = measures.steps().to_vec();

@@ -66,14 +66,18 @@ impl MotionDriver {
         self.options.root == RootTracking::Pin && self.root == Some(bone)
     }
 
-    /// Adds targets, and a pin, at `start`, and lets bones move on from there as the motion does.
-    pub fn start(&self, start: &[Frame], time_step: f64, instance: &mut Instance) {
+    /// Lets bones move on from `start` as the motion does.
+    pub fn launch(&self, start: &[Frame], time_step: f64, instance: &mut Instance) {
         for (bone, next) in self.next.iter().flatten().enumerate() {
-            let now = start[bone];
+            let (now, at) = (start[bone], instance.state.frames[bone]);
             let velocity = (next.position - now.position) / time_step;
             let turn = rotation_log(next.rotation * now.rotation.transpose());
-            instance.set_motion(bone, now, velocity, turn / time_step);
+            instance.set_motion(bone, at, velocity, turn / time_step);
         }
+    }
+
+    /// Adds targets, and a pin, at `start`.
+    pub fn start(&self, start: &[Frame], instance: &mut Instance) {
         for &bone in &self.bones {
             let frame = start[bone];
             if self.pinned(bone) {

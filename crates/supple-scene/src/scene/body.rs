@@ -21,9 +21,9 @@ pub struct SceneBody {
     pub density: f64,
     /// In place of what the density makes, kg.
     pub mass: Option<f64>,
-    /// Penalty stiffness of what touches it, Pa/m.
-    #[serde(default = "super::contact_stiffness")]
-    pub stiffness: f64,
+    /// Penalty stiffness of what touches it, Pa/m; as a rule that of the tissue that it touches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<f64>,
     /// Coefficient of friction μ of what touches it, 0 to 10.
     #[serde(default)]
     pub friction: f64,

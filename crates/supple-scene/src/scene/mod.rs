@@ -22,7 +22,7 @@ use supple::internal::math::rotation_exp;
 use supple::material::Material;
 use supple::model::{Avatar, Frame, UpAxis};
 use supple::sim::Settings;
-use supple::skeleton::Spring;
+use supple::skeleton::{Preload, Spring};
 use supple_bake::{JointLimitKey, set_limits};
 
 /// A scene.
@@ -52,6 +52,12 @@ pub struct Scene {
     /// The bones' pose at the start and the rest pose of their bending springs; others are straight.
     #[serde(default)]
     pub pose: Vec<BonePose>,
+    /// Whose springs carry their weight beforehand.
+    #[serde(default)]
+    pub preload: Preload,
+    /// Whether it starts in equilibrium with what drives and touches it, and not as it was posed.
+    #[serde(default = "settles")]
+    pub settle: bool,
     /// Bones that follow a motion exactly.
     #[serde(default)]
     pub pins: Vec<Pinned>,
@@ -142,9 +148,10 @@ pub struct SceneCollider {
     pub name: String,
     /// m.
     pub shape: SceneShape,
-    /// Penalty stiffness k, Pa/m. It moves the answer: a stiffer one presses harder.
-    #[serde(default = "contact_stiffness")]
-    pub stiffness: f64,
+    /// Penalty stiffness k, Pa/m; as a rule that of the tissue that it touches. It moves the answer: a stiffer one presses
+    /// harder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<f64>,
     /// d̂: distance at which contact begins, m.
     #[serde(default)]
     pub margin: f64,
@@ -279,16 +286,16 @@ impl Default for Output {
     }
 }
 
+fn settles() -> bool {
+    true
+}
+
 fn drawn() -> bool {
     true
 }
 
 /// Gravity of the earth, m/s².
 const EARTH: f64 = 9.81;
-
-pub(crate) fn contact_stiffness() -> f64 {
-    1e8
-}
 
 impl Scene {
     /// The axis that points up: as stated, else the one that a stated gravity points against most, else z.
@@ -335,6 +342,6 @@ impl Scene {
 
     /// The step whose end is nearest to `time`, from 1 to the number of steps.
     pub fn step_at(&self, time: f64) -> usize {
-        ((time / self.settings.time_step).round() as usize).clamp(1, self.steps.max(1))
+        ((time / self.settings.time_step).round() as usize).min(self.steps)
     }
 }

@@ -171,9 +171,9 @@ impl Scene {
             collider.motion.validate(&format!("{field}.motion"))?;
             (collider.shape.validate()).map_err(|e| e.within("shape").within(&field))?;
             check(
-                collider.stiffness > 0.0,
+                collider.stiffness.is_none_or(|k| k > 0.0),
                 format!("{field}.stiffness"),
-                "must be positive (Pa/m); 1e8 is usual",
+                "must be positive (Pa/m); without it the tissue's own is taken",
             )?;
             check(
                 collider.margin >= 0.0,

@@ -37,7 +37,7 @@ fn the_bone_press_is_the_benchmark() {
     assert_eq!(scene.gravity(), DVec3::new(0.0, 0.0, -9.81));
     let ball = &scene.colliders[0];
     assert_eq!(*ball.shape, Shape::Sphere { radius: 0.03 });
-    assert_eq!((ball.stiffness, ball.margin), (1e8, 0.0));
+    assert_eq!((ball.stiffness, ball.margin), (Some(1e8), 0.0));
     let z = |t: f64| ball.motion.at(t).position.z;
     assert_eq!((z(0.0), z(1.2), z(2.5)), (0.075, 0.058, 0.098));
     assert!((z(0.5) - 0.0665).abs() < 1e-15, "half way down");

@@ -6,8 +6,8 @@ use supple::internal::cpu::HessianForm;
 use supple::internal::math::{Random, rotation_exp};
 use supple::internal::random_avatar;
 use supple::internal::skeleton::{
-    BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, JointSpring, LimitSpring,
-    TissueMoments, TrackingSpring,
+    BendingSpring, BoneInertia, FrameGravity, FrameHessian, FrameTerm, Held, JointSpring,
+    LimitSpring, PreloadedBone, TissueMoments, TrackingSpring,
 };
 use supple::model::{Avatar, Frame, InertialTarget, JointRange, Space, State};
 use supple::potential::BlockPattern;
@@ -144,14 +144,15 @@ pub fn terms() -> Vec<Term> {
     closed[2].position = closed[0].transform(offset);
 
     let rest_rotation = random.rotation(0.8);
-    let bending = BendingSpring {
-        child: 2,
-        parent: 1,
-        bending: Bending {
+    let bend = |damping| {
+        let bending = Bending {
             rest_rotation,
             stiffness: 12.0,
-        },
+            damping,
+        };
+        BendingSpring::new([2, 1], bending, &current, &moving)
     };
+    let (bending, damped_bending) = (bend(0.0), bend(0.3));
     let mut unbent = frames(random, 1.0, 0.02);
     unbent[2].rotation = unbent[1].rotation * rest_rotation;
 
@@ -174,7 +175,7 @@ pub fn terms() -> Vec<Term> {
     on_target[1] = target;
 
     let mass = &avatar.bone_masses[1];
-    let moving = BoneInertia::new(1, mass, &moving, &current[1]);
+    let moved = BoneInertia::new(1, mass, &moving, &current[1]);
     let resting = BoneInertia::new(1, mass, &resting, &current[1]);
     let moments: Vec<_> = avatar.bone_masses.iter().map(|b| b.moments()).collect();
     let gravity = FrameGravity::new(
@@ -185,17 +186,20 @@ pub fn terms() -> Vec<Term> {
         &[],
     );
 
+    let held = Held {
+        rotation: Some(random.rotation(1.0)),
+        position: Some(DVec3::ZERO),
+    };
+    let preload = PreloadedBone::new(1, &held, &gravity).unwrap();
+
     let limit = |range| {
         let limit = JointLimit {
             bone: 2,
             range,
             stiffness: 12.0,
+            damping: 0.2,
         };
-        LimitSpring {
-            child: 2,
-            parent: 1,
-            limit,
-        }
+        LimitSpring::new([2, 1], limit, &current, &moving)
     };
     // Out of its range about two axes, within it about the third.
     let in_box = limit(JointRange::Axes {
@@ -236,16 +240,21 @@ pub fn terms() -> Vec<Term> {
         near_half_a_turn("limit of swing and twist", both, &round),
         term("joint", Some(closed), &|| Box::new(joint)),
         term("bending", Some(unbent), &|| Box::new(bending)),
+        term("bending, damped", None, &|| Box::new(damped_bending)),
         term("tracking of rotation, damped", None, &|| Box::new(rotation)),
         term("tracking of position, damped", None, &|| Box::new(position)),
         term("tracking", Some(on_target), &|| Box::new(undamped)),
-        term("bone inertia in motion", None, &|| Box::new(moving)),
+        term("bone inertia in motion", None, &|| Box::new(moved)),
         term("bone inertia at rest", Some(current.clone()), &|| {
             Box::new(resting)
         }),
         Term {
             linear: true,
             ..term("gravity on bones", None, &|| Box::new(gravity.clone()))
+        },
+        Term {
+            linear: true,
+            ..term("preload", None, &|| Box::new(preload))
         },
     ]
 }

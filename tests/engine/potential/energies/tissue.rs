@@ -64,7 +64,7 @@ fn touching(shape: Shape, random: &mut Random) -> Collider {
         position: PLACE + random.vector(0.04),
     };
     Collider {
-        stiffness: 1e6,
+        stiffness: Some(1e6),
         margin: 4e-3,
         ..Collider::new(shape, frame)
     }

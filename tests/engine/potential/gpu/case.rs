@@ -49,7 +49,7 @@ pub fn case(seed: u64, avatar: &Avatar) -> Case {
             position: current.frames[0].position + random.vector(0.02),
         };
         Collider {
-            stiffness: 1e6,
+            stiffness: Some(1e6),
             margin: 3e-3,
             friction: 0.5,
             previous: frame.moved(random.vector(1e-3), random.vector(0.01)),

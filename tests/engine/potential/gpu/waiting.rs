@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
-use supple::gpu::Waiting;
+use supple::gpu::{GpuDevice, Waiting};
 use supple::internal::random_avatar;
 use supple::potential::{
     CpuPotential, Difference, Evaluation, GpuOptions, Potential, StepEnd, Trial,
@@ -96,6 +96,26 @@ fn a_dropped_future_leaves_nothing_mapped() {
     });
 }
 
+/// Gives the queue half a gigabyte to copy, so that what is submitted next is surely not done at once.
+fn occupy(gpu: &GpuDevice) {
+    const BYTES: u64 = 64 << 20;
+    let buffer = || {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("what keeps the device busy"),
+            size: BYTES,
+            usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    };
+    let (a, b) = (buffer(), buffer());
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    for _ in 0..4 {
+        encoder.copy_buffer_to_buffer(&a, 0, &b, 0, BYTES);
+        encoder.copy_buffer_to_buffer(&b, 0, &a, 0, BYTES);
+    }
+    gpu.queue.submit([encoder.finish()]);
+}
+
 #[test]
 fn a_device_that_takes_too_long_is_an_error_and_the_next_question_is_answered() {
     let gpu = device();
@@ -110,6 +130,7 @@ fn a_device_that_takes_too_long_is_an_error_and_the_next_question_is_answered() 
     let mut out = [Evaluation::default()];
     pollster::block_on(hasty.begin_step(&[start(&case)], &[true])).unwrap();
     for _ in 0..2 {
+        occupy(&gpu);
         let error = pollster::block_on(hasty.evaluate(&states, &[true], &mut out)).unwrap_err();
         let text = error.to_string();
         assert!(

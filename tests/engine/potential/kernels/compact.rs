@@ -69,13 +69,12 @@ const SLOPES: usize = 5 + LENGTH + 3 + 2 * QUOTIENT;
 /// The list is exact but for k a and k a δ (two roundings) and friction's [`SLOPES`]. Rows: T (n_h + 2), T − J, a row of R (3), w, a cross product
 /// (2); or Rᵀe (3), w, the sum over bones, U; or the point (as the skin's), x − c and a cross product.
 pub fn compact(scene: &Scene) -> Outcome {
-    let set = &scene.avatar.skin;
     let phase = Phase::Evaluated;
     let all = distances(scene, phase, phase.slot());
     let candidates: Vec<Candidate> = all.iter().map(candidate).collect();
     let mut want = Vec::new();
-    let (areas, colliders) = (&set.measure, &scene.colliders);
-    let active = compact_twin::compact(&candidates, areas, colliders, &mut want);
+    let (stiffness, colliders) = (|v, c| scene.contact_stiffness(v, c), &scene.colliders);
+    let active = compact_twin::compact(&candidates, stiffness, colliders, &mut want);
     let lagged = slid(scene, phase, phase.slot(), None);
     for [_, (contact, slip)] in &lagged {
         want.extend(friction_twin::rows(contact, slip, smoothing()));

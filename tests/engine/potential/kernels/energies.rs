@@ -106,7 +106,7 @@ fn energies(scene: &Scene, phase: Phase, at: usize, base: usize) -> Outcome {
         .zip(distances(scene, phase, base));
     for (k, ([x, y, z, depth], [.., before])) in pairs.enumerate() {
         let (v, c) = (k / scene.colliders.len(), k % scene.colliders.len());
-        let stiffness = scene.colliders[c].stiffness * scene.avatar.skin.measure[v];
+        let stiffness = scene.contact_stiffness(v, c);
         let (depth, before) = (f64::from(depth).max(0.0), f64::from(before).max(0.0));
         let size = 0.5 * stiffness * (depth + before).powi(2);
         add(4, twin::contact(stiffness, before, depth), size);

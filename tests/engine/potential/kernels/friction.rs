@@ -97,7 +97,7 @@ pub fn friction(scene: &Scene) -> Outcome {
     let mut want = Vec::new();
     compact_twin::lag(
         &candidates,
-        &set.measure,
+        |v, c| scene.contact_stiffness(v, c),
         colliders,
         &places,
         point,

@@ -267,6 +267,13 @@ impl Scene {
         Ok(())
     }
 
+    /// k a of skin vertex `v` and collider `c`, N/m.
+    pub fn contact_stiffness(&self, v: usize, c: usize) -> f64 {
+        let of_tissue = self.avatar.contact_stiffness[v] * factors().stiffness;
+        let k = self.colliders[c].stiffness.unwrap_or(of_tissue.min(1e8));
+        k * self.avatar.skin.measure[v]
+    }
+
     /// The tissue at cubature point `i`, with its factors.
     pub fn tissue_at(&self, i: usize) -> MaterialPoint<'_> {
         let mut tissue = self.avatar.tissue_at(i);

@@ -24,7 +24,7 @@ fn pair(friction: f64) -> (Avatar, State, Collider) {
     };
     let ball = Collider {
         friction,
-        stiffness: 1e7,
+        stiffness: Some(1e7),
         body: Some(1),
         ..Collider::new(Shape::Sphere { radius: 0.03 }, ball)
     };

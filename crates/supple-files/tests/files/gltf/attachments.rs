@@ -242,7 +242,7 @@ fn attachments_touch_nothing() {
         let potential = CpuPotential::new(Arc::new(avatar.clone()), 1).unwrap();
         let mut simulation = Simulation::new(&avatar, potential, Settings::default()).unwrap();
         simulation.instances_mut()[0].colliders.push(Collider {
-            stiffness: 1e6,
+            stiffness: Some(1e6),
             ..Collider::new(Shape::Sphere { radius: 0.03 }, frame)
         });
         let report = simulation.step_blocking().unwrap().instances.remove(0);
