@@ -140,7 +140,8 @@ impl FrameGravity {
 impl FrameGravity {
     /// The weight of bone `j`, N, and its moment about the joint where the bone has this `rotation`, N·m.
     pub(super) fn wrench(&self, j: usize, rotation: &DMat3) -> (DVec3, DVec3) {
-        let (mass, first) = self.moments[j];
+        // Frames that stand for bodies of a world have none.
+        let (mass, first) = self.moments.get(j).copied().unwrap_or_default();
         let lever = *rotation * first;
         (mass * self.gravity, lever.cross(self.gravity))
     }

@@ -11,7 +11,7 @@ use supple::internal::math::rotation_exp;
 use supple::model::{Avatar, Frame, Integrator, State};
 use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode, Stop};
-use supple::skeleton::{Spring, Tracking};
+use supple::skeleton::{Preload, Spring, Tracking};
 use supple_samples::Limb;
 
 const CONVERGED: SolverMode = SolverMode::Converged {
@@ -97,10 +97,12 @@ fn energy_never_rises() -> Result<()> {
             max_iterations: 100,
         },
         integrator: Integrator::BackwardEuler,
+        joint_damping_time: 0.0,
         ..Settings::default()
     };
     let mut simulation = simulation(&avatar, settings);
     let instance = &mut simulation.instances_mut()[0];
+    instance.preload = Preload::Off;
     instance.targets = vec![Tracking::new(0, instance.state.frames[0])];
     let floor = Frame {
         position: DVec3::new(0.0, 0.0, -0.05),

@@ -110,3 +110,42 @@ fn regions_that_name_what_is_not_there_are_refused() {
         .to_string();
     assert!(error.contains("factor"), "{error}");
 }
+
+/// k = 100 E/L under each vertex: of the limb, whose depth is 25 mm all around, twice as much where it is twice as stiff.
+#[test]
+fn contact_is_as_stiff_as_the_tissue_under_it() {
+    let depth = Limb::S.outer_radius - Limb::S.inner_radius;
+    let recipe = |scale: f64| -> Avatar {
+        let mut recipe: Recipe = toml::from_str(
+            "handles = [{ count = 12 }]\nmaterial = { stable_neo_hookean = { youngs_modulus = 2000.0, poissons_ratio = 0.4 } }",
+        )
+        .unwrap();
+        recipe.stiffness = vec![region(&format!("scale = {scale:?}"))];
+        bake(&limb(), &recipe, &mut |_| {}).unwrap().0
+    };
+    let avatar = recipe(1.0);
+    assert_eq!(avatar.contact_stiffness.len(), avatar.skin.len());
+    let inside = |v: usize| (0.02..0.23).contains(&avatar.skin.position[v].x);
+    let expected = 100.0 * 2000.0 / depth;
+    for v in (0..avatar.skin.len()).filter(|&v| inside(v)) {
+        let ratio = avatar.contact_stiffness[v] / expected;
+        // The nearest bone node is a little farther than the bone.
+        assert!((0.9..1.05).contains(&ratio), "vertex {v}: {ratio}");
+    }
+    let doubled = recipe(2.0);
+    for (once, twice) in avatar
+        .contact_stiffness
+        .iter()
+        .zip(&doubled.contact_stiffness)
+    {
+        assert!((twice / once - 2.0).abs() < 1e-9, "{once} and {twice}");
+    }
+    // No stiffer than a penalty may be that nobody asked for; and in the file.
+    let stiffest = supple::collider::Collider::STIFFEST;
+    assert!(recipe(1e3).contact_stiffness.iter().all(|&k| k == stiffest));
+    let read = from_bytes(&to_bytes(&avatar, None).unwrap(), std::path::Path::new("a")).unwrap();
+    let read = read.avatar.contact_stiffness;
+    for (a, b) in avatar.contact_stiffness.iter().zip(&read) {
+        assert!((a / b - 1.0).abs() < 1e-6);
+    }
+}

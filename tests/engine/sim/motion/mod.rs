@@ -1,6 +1,8 @@
 //! How tissue moves (method §5): swings, spins and slides as their physics says, at any rate of frames.
 
 mod frames;
+mod holding;
+mod joints;
 mod order;
 mod ringing;
 mod slope;
