@@ -101,6 +101,8 @@ host_shareable! {
         pub shares: u32,
         /// Of a skin vertex: k of the tissue under it, Pa/m.
         pub contact_stiffness: f32,
+        /// Padding.
+        pub _pad: [u32; 3],
     }
 
     /// What the material has of its own at a cubature point (kernels/shared/tissue.wgsl).
