@@ -1,7 +1,9 @@
 //! What a simulation follows.
 
-use crate::error::{OrRaise, to_python};
+use crate::error::{OrRaise, invalid, to_python};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use pythonize::depythonize;
 use std::path::PathBuf;
 use supple::Error;
 use supple::model::{Avatar, Frame, UpAxis};
@@ -34,18 +36,26 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// The motion in the file at `path`, for an avatar that stands at `standing`.
+    /// The motion in the file at `path`, for an avatar that stands at `standing`; `options` are keys of a scene's `[motion]`.
     pub fn open(
         path: PathBuf,
         rate: Option<f64>,
+        options: Option<&Bound<'_, PyDict>>,
         avatar: &Avatar,
         up: UpAxis,
         standing: &[Frame],
     ) -> PyResult<Self> {
-        let options = TrackedMotion {
-            rate,
-            ..TrackedMotion::of_file(path)
+        let mut options: TrackedMotion = match options {
+            None => TrackedMotion::default(),
+            Some(options) => depythonize(options.as_any()).map_err(|e| {
+                invalid(
+                    "options",
+                    format!("{e}; docs/scenes.md has the keys of [motion]"),
+                )
+            })?,
         };
+        options.file = path;
+        options.rate = rate.or(options.rate);
         let skeleton = avatar.character();
         match Playback::open(&options, &skeleton, avatar.up, up).or_raise()? {
             Playback::Clip(mut player) => {

@@ -32,6 +32,8 @@ pub struct Simulation {
     avatar: Py<Avatar>,
     pub options: Options,
     up: UpAxis,
+    /// Where it stands in its bind pose.
+    bind: Vec<Frame>,
     motion: Motion,
     grip: Grip,
     /// Since the motion began, s.
@@ -69,6 +71,7 @@ impl Simulation {
         poses: &Bound<'_, PyAny>,
         trans: Option<&Bound<'_, PyAny>>,
         fps: Option<f64>,
+        options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Motion> {
         if let Some(fps) = fps.filter(|f| !(*f > 0.0 && f.is_finite())) {
             return Err(invalid(
@@ -83,7 +86,14 @@ impl Simulation {
                 return Err(invalid("trans", "is in the file: leave it out"));
             }
             let path: PathBuf = poses.extract()?;
-            return Motion::open(path, fps, character.avatar(), self.up, character.frames());
+            let standing = match self.at_rest {
+                true => &self.bind[..],
+                false => character.frames(),
+            };
+            return Motion::open(path, fps, options, character.avatar(), self.up, standing);
+        }
+        if options.is_some() {
+            return Err(invalid("options", "are for files of motions"));
         }
         let order = &self.avatar.get().order;
         let (poses, frames, single) = order.read(poses, "poses")?;
@@ -271,8 +281,10 @@ impl Simulation {
             let asset = world.add_avatar(inner)?;
             world.add_instance(asset)
         });
+        let instance = placed.or_raise()?;
         let mut this = Self {
-            instance: placed.or_raise()?,
+            bind: world.instance(instance).or_raise()?.frames().to_vec(),
+            instance,
             world,
             avatar,
             options: options.clone(),
@@ -293,17 +305,19 @@ impl Simulation {
     /// poses: rotation vectors (rad) of the joints of `avatar.pose_names` relative to their parents, as SMPL has them: T × J × 3
     /// or T × 3J of a clip with fps poses a second (without fps each step takes the next pose); J × 3 or 3J of one pose, where
     /// the bones are at the end of the next step. trans: T × 3 or 3, m, of the root from its place in the bind pose. Or the path
-    /// of a motion (.npz of AMASS, .bvh, .glb, .vrma), whose bones are mapped by their names. What is followed before the
+    /// of a motion (.npz of AMASS, .bvh, .glb, .vrma), whose bones are mapped by their names; options are then keys of a
+    /// scene's [motion], as {"map": {"LeftUpLeg": "thigh_l"}, "clip": "walk"}. What is followed before the
     /// first step, or after reset(), is where it starts.
-    #[pyo3(signature = (poses, trans=None, *, fps=None))]
+    #[pyo3(signature = (poses, trans=None, *, fps=None, options=None))]
     fn follow<'py>(
         slf: &Bound<'py, Self>,
         poses: &Bound<'_, PyAny>,
         trans: Option<&Bound<'_, PyAny>>,
         fps: Option<f64>,
+        options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, Self>> {
         let mut sim = slf.try_borrow_mut()?;
-        let motion = sim.motion_of(slf.py(), poses, trans, fps)?;
+        let motion = sim.motion_of(slf.py(), poses, trans, fps, options)?;
         sim.begin(motion, Grip::Exact)?;
         drop(sim);
         Ok(slf.clone())
@@ -311,12 +325,14 @@ impl Simulation {
 
     /// Springs draw all bones to poses, which give way to what they meet. Poses are as for follow(); rotation: stiffness and
     /// damping, N·m/rad and N·m·s; position: N/m and N·s/m.
-    #[pyo3(signature = (poses, trans=None, *, fps=None, rotation=None, position=None))]
+    #[pyo3(signature = (poses, trans=None, *, fps=None, options=None, rotation=None, position=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn track<'py>(
         slf: &Bound<'py, Self>,
         poses: &Bound<'_, PyAny>,
         trans: Option<&Bound<'_, PyAny>>,
         fps: Option<f64>,
+        options: Option<&Bound<'_, PyDict>>,
         rotation: Option<(f64, f64)>,
         position: Option<(f64, f64)>,
     ) -> PyResult<Bound<'py, Self>> {
@@ -324,7 +340,7 @@ impl Simulation {
         let usual = TrackedMotion::default();
         let rotation = spring(rotation, usual.rotation, "rotation")?;
         let position = spring(position, usual.position, "position")?;
-        let motion = sim.motion_of(slf.py(), poses, trans, fps)?;
+        let motion = sim.motion_of(slf.py(), poses, trans, fps, options)?;
         sim.begin(motion, Grip::Springs(rotation, position))?;
         drop(sim);
         Ok(slf.clone())
@@ -400,11 +416,11 @@ impl Simulation {
 
     /// A whole clip as stacked arrays. It starts at rest in the first pose, which is frame 0, and makes a step a frame.
     ///
-    /// poses, trans, fps: as for follow(); without them what is followed goes on, for `duration` (s). record: which of
+    /// poses, trans, fps, options: as for follow(); without them what is followed goes on, for `duration` (s). record: which of
     /// "vertices", "displacements" and "contact_forces" are kept, all if not given. substeps: steps a frame. progress is
     /// called with (frames done, of all).
     #[pyo3(signature = (
-        poses=None, trans=None, fps=None, *, duration=None, record=None, substeps=1, progress=None
+        poses=None, trans=None, fps=None, *, options=None, duration=None, record=None, substeps=1, progress=None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn simulate(
@@ -413,6 +429,7 @@ impl Simulation {
         poses: Option<&Bound<'_, PyAny>>,
         trans: Option<&Bound<'_, PyAny>>,
         fps: Option<f64>,
+        options: Option<&Bound<'_, PyDict>>,
         duration: Option<f64>,
         record: Option<Vec<String>>,
         substeps: usize,
@@ -420,7 +437,8 @@ impl Simulation {
     ) -> PyResult<Clip> {
         let kept = kept(record)?;
         if let Some(poses) = poses {
-            let motion = self.motion_of(py, poses, trans, fps)?;
+            self.at_rest = true;
+            let motion = self.motion_of(py, poses, trans, fps, options)?;
             self.begin(motion, self.grip)?;
             self.character_mut()?.reset();
             (self.time, self.at_rest) = (0.0, true);

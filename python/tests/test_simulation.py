@@ -181,6 +181,17 @@ def test_amass_is_followed(body, tmp_path):
     with pytest.raises(supple.InvalidError, match="trans: is in the file"):
         sim.follow(path, trans)
 
+    # Again, and it begins where it began: in the bind pose's place.
+    again = sim.simulate(path, record=["vertices"])
+    assert np.array_equal(again.vertices, clip.vertices)
+    slow = sim.simulate(path, options={"speed": 0.5, "mirror": True}, duration=0.1, record=[])
+    assert len(slow) == 7
+    assert np.abs(slow.positions[-1] - clip.positions[-1]).max() > 0.01
+    with pytest.raises(supple.InvalidError, match="options: .*sped"):
+        sim.follow(path, options={"sped": 2})
+    with pytest.raises(supple.FormatError, match="motion.map: .*could be mapped|motion.map"):
+        supple.Simulation(body, "cpu").follow(path, options={"map": {"pelvis": "tail"}})
+
 
 def test_springs_give_way_where_pins_do_not(finger):
     pose = np.zeros((3, 3))

@@ -110,6 +110,7 @@ class Simulation:
         trans: Optional[npt.ArrayLike] = None,
         *,
         fps: Optional[float] = None,
+        options: Optional[Mapping[str, Any]] = None,
     ) -> Simulation: ...
     def track(
         self,
@@ -117,6 +118,7 @@ class Simulation:
         trans: Optional[npt.ArrayLike] = None,
         *,
         fps: Optional[float] = None,
+        options: Optional[Mapping[str, Any]] = None,
         rotation: Optional[Tuple[float, float]] = None,
         position: Optional[Tuple[float, float]] = None,
     ) -> Simulation: ...
@@ -131,6 +133,7 @@ class Simulation:
         trans: Optional[npt.ArrayLike] = None,
         fps: Optional[float] = None,
         *,
+        options: Optional[Mapping[str, Any]] = None,
         duration: Optional[float] = None,
         record: Optional[Sequence[str]] = None,
         substeps: int = 1,
