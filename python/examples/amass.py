@@ -40,17 +40,16 @@ else:
     avatar = supple.Avatar.sample("body", [0.0, 2.4, 0.0, 0.0, 0.3, 0.5])
 print(avatar)
 
+sim = supple.Simulation(avatar, up="z")
+record = ["vertices", "displacements"]
 if arguments.motion:
-    with np.load(arguments.motion) as file:
-        poses, trans = file["poses"], file["trans"]
-        fps = float(file[next(key for key in ("mocap_framerate", "mocap_frame_rate", "fps") if key in file)])
-    # Hands that the model does not have are left out.
-    poses = poses[:, : 3 * len(avatar.pose_names)]
+    # Bones are found by their names: of SMPL-H's fingers a body without them takes none.
+    duration = arguments.frames and arguments.frames / 60.0
+    clip = sim.simulate(arguments.motion, duration=duration, record=record)
+    print("\n".join(sim.motion_notes))
 else:
     poses, trans, fps = stand_in()
-
-sim = supple.Simulation(avatar, up="z")
-clip = sim.simulate(poses[: arguments.frames], trans[: arguments.frames], fps, record=["vertices", "displacements"])
+    clip = sim.simulate(poses[: arguments.frames], trans[: arguments.frames], fps, record=record)
 moved = 1e3 * np.linalg.norm(clip.displacements, axis=2)
 print(f"{len(clip)} frames on {sim.backend}: tissue moves by up to {moved.max():.1f} mm")
 print(f"most at vertex {np.unravel_index(moved.argmax(), moved.shape)[1]}, {clip.time[moved.max(axis=1).argmax()]:.2f} s")

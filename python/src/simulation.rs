@@ -11,7 +11,6 @@ use crate::settings::Options;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use std::path::PathBuf;
-use std::sync::Arc;
 use supple::World;
 use supple::collider::Shape;
 use supple::glam::{DVec3, Mat4};
@@ -519,7 +518,7 @@ impl Simulation {
             let collider = self.world.collider_mut(self.colliders[k]).or_raise()?;
             instance.colliders.push(collider.clone());
         }
-        let avatar = Arc::new(self.character()?.avatar().clone());
+        let avatar = self.avatar.get().inner.clone();
         Potential::new(py, avatar, instance, settings)
     }
 

@@ -27,7 +27,7 @@ cubature = { points = 80 }
 [[pins]]
 bone = "proximal"
 [[pins]]
-bone = "intermediate"
+bone = "middle"
 [[pins]]
 bone = "distal"
 
@@ -56,7 +56,7 @@ def test_a_scene_of_the_command_is_the_same_bits(quick, tmp_path):
     if program is None:
         pytest.skip("no command supple: cargo build -p supple-cli, or set SUPPLE_COMMAND")
     avatar = supple.Avatar.sample("finger", recipe=quick)
-    assert avatar.bone_names == ["proximal", "intermediate", "distal"]
+    assert avatar.bone_names == ["proximal", "middle", "distal"]
     above = avatar.skin[np.abs(avatar.skin[:, 0] - 0.04) < 0.005][:, 2].max() + 0.006
     start, end = above + 0.003, above - 0.0015
     (tmp_path / "parity.toml").write_text(SCENE % {"start": float(start), "end": float(end)})
@@ -87,4 +87,4 @@ def test_a_scene_of_the_command_is_the_same_bits(quick, tmp_path):
             assert np.array_equal(step.loads, run["loads"][k]), k
             assert [step.energies[name] for name in names] == list(energies[k]), k
             contacts += step.report["contacts"]
-    assert contacts > 100 and step.contact_force[2] < -0.1
+    assert contacts > 20 and step.contact_force[2] < -0.1

@@ -64,7 +64,7 @@ fn a_converged_step_is_its_minimum() -> Result<()> {
     };
     let before = free_gradient(&simulation.instances()[0].state)?;
     let report = simulation.step_blocking()?;
-    assert!(report.instances[0].contacts > 3);
+    assert!(report.instances[0].contacts > 0);
     let after = free_gradient(&simulation.instances()[0].state)?;
     assert!(before > 1e-3, "{before}");
     assert!(after < 1e-5 * before, "{after} of {before}");
