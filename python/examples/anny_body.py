@@ -30,10 +30,10 @@ model = anny.Anny()
 phenotype = {label: 0.5 for label in model.phenotype_labels}
 phenotype.update((name, float(amount)) for name, amount in (a.split("=") for a in arguments.phenotype))
 with torch.no_grad():
-    still = torch.eye(4).repeat(1, model.bone_count, 1, 1).to(model.dtype)
-    rest = model(pose_parameters=still, phenotype_kwargs=phenotype)
+    rest = model(phenotype_kwargs=phenotype)
 vertices = rest["rest_vertices"][0].numpy()
-up = "xyz"[np.argmax(vertices.max(axis=0) - vertices.min(axis=0))] if np.ptp(vertices[:, 0]) < 1.0 else "z"
+# The arms are along x: of the other two the long one is up.
+up = "yz"[int(np.ptp(vertices[:, 2]) > np.ptp(vertices[:, 1]))]
 avatar = supple.Avatar.from_arrays(
     vertices,
     model.get_triangular_faces(),
