@@ -1,4 +1,4 @@
-.PHONY: demo figures test bench bench-smoke ci
+.PHONY: demo figures test test-python bench bench-smoke ci
 
 # The soft hand pressed on a cylinder; pictures, GLB and report in out/hand_press.
 # `make demo ARGS=--allow-software` takes a software adapter where there is no GPU.
@@ -14,6 +14,10 @@ figures:
 test:
 	.ci/install-vulkan
 	cargo test --workspace
+
+# Builds the Python package into python/.venv, and runs its tests.
+test-python:
+	.ci/test-python
 
 bench:
 	cargo bench

@@ -278,4 +278,14 @@ pub trait Potential {
         positions: &mut Vec<DVec3>,
         normals: &mut Vec<DVec3>,
     ) -> impl Future<Output = Result<()>>;
+
+    /// Contact and friction on each vertex of an instance's skin at `state`, in the step that it has begun: force (N, world
+    /// axes) and pressure (Pa: the normal force by the vertex's area in the reference shape).
+    fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> impl Future<Output = Result<()>>;
 }

@@ -28,6 +28,7 @@
 //! | `simulation` | avatars of one asset, stepped together |
 //! | `settle` | where everything comes to rest |
 //! | `energy_balance` | mechanical energy, measured between steps |
+//! | `step_potential` | E of a step with its derivatives, for who looks at it from outside |
 
 mod carried;
 mod coupled;
@@ -50,6 +51,7 @@ mod simulation;
 mod solvers;
 mod spring_bones;
 mod step_end;
+mod step_potential;
 mod step_start;
 mod stepper;
 mod substeps;
@@ -68,3 +70,4 @@ pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};
 pub use settings::{LARGEST_JOINT_STIFFNESS, Settings, SolverMode};
 pub use simulation::Simulation;
+pub use step_potential::{StepEnergies, StepPotential};

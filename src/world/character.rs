@@ -175,6 +175,7 @@ impl Character {
         let state = &mut self.instance.state;
         state.handles.fill(DVec3::ZERO);
         self.instance.history.rest(state);
+        self.instance.targets.iter_mut().for_each(Tracking::rest);
         self.instance.was_put = true;
     }
 

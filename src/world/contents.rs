@@ -106,6 +106,16 @@ impl World {
     /// # Errors
     /// Constants that are unusable.
     pub fn with_settings(mut self, settings: Settings) -> Result<Self> {
+        self.set_settings(settings)?;
+        Ok(self)
+    }
+
+    /// Other constants for the steps that follow; the time step in them is not read, and what an instance has of its own
+    /// (bending, limits) stays.
+    ///
+    /// # Errors
+    /// Constants that are unusable; the old ones stay.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
         let time_step = self.settings.time_step;
         self.settings = Settings {
@@ -115,7 +125,12 @@ impl World {
         for batch in &mut self.batches {
             batch.physics.settings = self.settings;
         }
-        Ok(self)
+        Ok(())
+    }
+
+    /// The constants; the time step in them is the last step's, s.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// Which axis points up.

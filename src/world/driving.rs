@@ -98,6 +98,39 @@ impl Character {
         self.instance.pose_offsets.set(&self.avatar, offsets)
     }
 
+    /// Lets bones that follow or are tracked begin on their way to `next`, where they are to be at the end of the next step of
+    /// `time_step`, s: as fast as a motion has them there that was on its way before. Without it the first step is one from
+    /// rest, which a motion that sets in at full speed makes a blow. It is for after the first frames, and after
+    /// [`Character::reset`].
+    ///
+    /// # Errors
+    /// As [`Character::follow_frames`]; a time step that is not positive; bones that nothing drives.
+    pub fn begin_moving(&mut self, next: &[Frame], time_step: f64) -> Result<()> {
+        self.check(next)?;
+        if !(time_step > 0.0 && time_step.is_finite()) {
+            let problem = format!("{time_step} is not a positive number of seconds");
+            return Err(Error::invalid("time_step", problem));
+        }
+        if !matches!(self.driving, Driving::Followed | Driving::Tracked) {
+            let problem = "nothing drives the bones: say where they are first, by follow_frames or track_frames";
+            return Err(Error::invalid("frames", problem));
+        }
+        let instance = &mut self.instance;
+        for (bone, next) in next.iter().enumerate() {
+            let now = instance.state.frames[bone];
+            let (shift, turn) = now.motion_to(next);
+            instance.set_motion(bone, now, shift / time_step, turn / time_step);
+            if let Some(pin) = instance.pins.get_mut(bone) {
+                pin.frame = *next;
+            }
+            if let Some(target) = instance.targets.get_mut(bone) {
+                (target.frame, target.previous) = (*next, now);
+                target.earlier = now.moved(-shift, -turn);
+            }
+        }
+        Ok(())
+    }
+
     /// What moves the bones from now on; before the first step it says where they start as well.
     fn drive_by(&mut self, driving: Driving) {
         self.driving = driving;

@@ -7,7 +7,8 @@ use supple::model::Avatar;
 use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
 use supple::sim::Simulation;
 use supple::{Error, GpuError, Result};
-use supple_scene::{Breakdown, Scene, SceneRun, run_scene};
+use supple_files::Series;
+use supple_scene::{Breakdown, Scene, SceneRun, run_scene, run_scene_as_series};
 
 /// What evaluates the potential.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -32,8 +33,13 @@ pub struct BackendFlags {
 }
 
 impl BackendFlags {
-    /// Plays `scene`, and says on stderr on which backend.
-    pub fn simulate(&self, scene: &Scene, avatar: &Arc<Avatar>) -> Result<SceneRun> {
+    /// Plays `scene`, and says on stderr on which backend; every step is kept in `series` where one is asked for.
+    pub fn simulate(
+        &self,
+        scene: &Scene,
+        avatar: &Arc<Avatar>,
+        series: Option<&mut Series>,
+    ) -> Result<SceneRun> {
         if let Some(gpu) = self.open_gpu()? {
             tell(format_args!(
                 "backend: gpu, {} ({})",
@@ -46,7 +52,7 @@ impl BackendFlags {
             let (device, queue) = (&gpu.device, &gpu.queue);
             let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options)?;
             let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
-            let mut run = play(scene, avatar, &mut simulation)?;
+            let mut run = play(scene, avatar, &mut simulation, series)?;
             time_stages(simulation.potential_mut(), &mut run.report.breakdown_ms)?;
             run.report.backend = "gpu".into();
             return Ok(run);
@@ -54,7 +60,7 @@ impl BackendFlags {
         let potential = CpuPotential::new(avatar.clone(), 1)?;
         tell(format_args!("backend: cpu{}", self.why_cpu()));
         let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
-        let mut run = play(scene, avatar, &mut simulation)?;
+        let mut run = play(scene, avatar, &mut simulation, series)?;
         run.report.backend = "cpu".into();
         Ok(run)
     }
@@ -89,11 +95,19 @@ fn play<P: Potential>(
     scene: &Scene,
     avatar: &Avatar,
     simulation: &mut Simulation<P>,
+    series: Option<&mut Series>,
 ) -> Result<SceneRun> {
     let bar = bar(scene.steps, &scene.name);
-    let run = run_scene(scene, avatar, simulation, &mut |step| {
-        bar.set_position(step as u64);
-    });
+    let mut progress = |step: usize| bar.set_position(step as u64);
+    let run = match series {
+        None => run_scene(scene, avatar, simulation, &mut progress),
+        Some(series) => {
+            run_scene_as_series(scene, avatar, simulation, &mut progress).map(|(run, recorded)| {
+                *series = recorded;
+                run
+            })
+        }
+    };
     bar.finish_and_clear();
     run
 }

@@ -75,6 +75,7 @@ impl Arguments {
             body,
             recipe,
             notes,
+            ..
         } = source.read().map_err(|e| name_file(e, &self.file))?;
         let baked = bake(&body, &recipe, &mut baking(&body.name));
         let recipe = self.body.recipe.as_ref().unwrap_or(&self.file);

@@ -72,7 +72,7 @@ impl Arguments {
         let avatar = Arc::new(avatar);
         let showing = scene.show(&avatar, motion, self.seconds)?;
         tell(format_args!("{stem}: {showing}"));
-        let run = self.backend.simulate(&scene, &avatar)?;
+        let run = self.backend.simulate(&scene, &avatar, None)?;
         tell_motion(&run);
         let folder = self.output.clone();
         let folder =

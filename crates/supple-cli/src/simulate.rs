@@ -11,6 +11,7 @@ use std::sync::Arc;
 use supple::internal::write_whole;
 use supple::model::Avatar;
 use supple::{Error, Result};
+use supple_files::{Series, write_series};
 use supple_pictures::picture_strip;
 use supple_scene::{
     FullSpaceRun, Scene, SceneRun, committed_scenes, load_avatar, read_scene, run_full_space,
@@ -47,6 +48,9 @@ pub struct Arguments {
     of_motion: MotionFlags,
     #[command(flatten)]
     glb: GlbFlags,
+    /// Keep every step as NumPy arrays: time, vertices, displacement, contact_force, loads, energies.
+    #[arg(long, value_name = "FILE.npz", conflicts_with = "full_space")]
+    series: Option<PathBuf>,
     /// Only the report: no pictures, no GLB file.
     #[arg(long)]
     no_pictures: bool,
@@ -70,6 +74,12 @@ impl Arguments {
             ));
         }
         scene.dress(&mut avatar)?;
+        // Found out now, not after the run.
+        if let Some(folder) = self.series.as_ref().and_then(|path| path.parent()) {
+            make_folder(folder)?;
+        }
+        let mut series = self.series.is_some().then(Series::default);
+        scene.settings.report_at_end |= series.is_some();
         let (avatar, run) = if self.full_space {
             let FullSpaceRun {
                 avatar, mut run, ..
@@ -78,7 +88,7 @@ impl Arguments {
             (avatar, run)
         } else {
             let avatar = Arc::new(avatar);
-            let run = self.backend.simulate(&scene, &avatar)?;
+            let run = self.backend.simulate(&scene, &avatar, series.as_mut())?;
             (avatar, run)
         };
         tell_motion(&run);
@@ -87,6 +97,9 @@ impl Arguments {
             .clone()
             .unwrap_or_else(|| Path::new("out").join(&scene.name));
         make_folder(&folder)?;
+        if let (Some(series), Some(path)) = (&series, &self.series) {
+            write_series(series, path)?;
+        }
         if !self.no_pictures {
             picture_strip(&scene, &avatar, &run.snapshots).write_png(&folder.join("strip.png"))?;
             self.glb.write(&avatar, &run.recording, &folder)?;
@@ -98,6 +111,9 @@ impl Arguments {
         }
         print_report(&run.report);
         print(format_args!("\nwritten to {}", folder.display()));
+        if let Some(path) = &self.series {
+            print(format_args!("series in {}", path.display()));
+        }
         Ok(())
     }
 

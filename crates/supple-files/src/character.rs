@@ -140,18 +140,7 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
         }
         FileKind::Baked => return Err(Error::format(path, "format", "is baked already")),
     };
-    let check_betas = |known: usize| {
-        if let Some(k) = betas.iter().position(|b| !b.is_finite()) {
-            let problem = format!("must be a finite number, is {}", betas[k]);
-            return Err(Error::format(path, format!("shape[{k}]"), problem));
-        }
-        if betas.len() > known {
-            let given = betas.len();
-            let problem = format!("{given} numbers are given; the model has {known} shapes");
-            return Err(Error::format(path, "shape", problem));
-        }
-        Ok(())
-    };
+    let check_betas = |known: usize| check_shape(betas, known).map_err(|e| e.of_file(path));
     if options.betas_of.is_some() && format != CharacterFormat::Smpl {
         let problem =
             "the shape of a motion's person is for SMPL's models: give `betas` of this file's own";
@@ -169,31 +158,22 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
     let of_file = |e: Error| e.of_file(path);
     match format {
         CharacterFormat::Smpl => {
-            let SmplModel {
-                model,
-                shapes,
-                file_order,
-                ..
-            } = read_smpl_model(path)?;
-            let directions = model.shape_directions.len();
-            check_betas(directions)?;
+            let model = read_smpl_model(path)?;
+            let shapes = model.shapes;
             let mut betas = betas.clone();
+            let mut notes = Vec::new();
             if let Some(motion) = &options.betas_of {
                 betas = read_betas(motion)?;
                 let (given, used) = (betas.len(), betas.len().min(shapes));
                 betas.truncate(used);
                 let motion = motion.display();
-                let note = format!("its shape is that of {motion}: {used} of {given} betas");
-                file.notes.push(note);
+                notes.push(format!(
+                    "its shape is that of {motion}: {used} of {given} betas"
+                ));
             }
-            file.body = Body::of_model(&name, &model, &betas, Vec::new());
-            file.body.joints = JointList::of_bones_in_order(&file.body.skeleton, &file_order);
-            file.separate(&options.parts).map_err(of_file)?;
-            let called = |k: usize| match k.checked_sub(shapes) {
-                None => format!("shape {k}"),
-                Some(k) => format!("expression {k}"),
-            };
-            file.shapes = (0..directions).map(called).collect();
+            file =
+                CharacterFile::of_model(&name, model, &betas, &options.parts).map_err(of_file)?;
+            file.notes.splice(0..0, notes);
         }
         CharacterFormat::Gltf => {
             let character = read_gltf(path)?;
@@ -220,14 +200,70 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
             file.file_vertices = (0..vertices as u32).collect();
         }
     }
-    let tissue = file.body.tissue_parts();
-    if tissue.len() > 1 || !file.body.attachments.is_empty() && !tissue.is_empty() {
-        (file.notes).push(format!("tissue is {}", tissue.join(", ")));
+    if format != CharacterFormat::Smpl {
+        file.note_tissue();
     }
     Ok(file)
 }
 
+/// Whether a model of `known` shapes takes these amounts.
+fn check_shape(betas: &[f64], known: usize) -> Result<()> {
+    if let Some(k) = betas.iter().position(|b| !b.is_finite()) {
+        let problem = format!("must be a finite number, is {}", betas[k]);
+        return Err(Error::invalid(format!("shape[{k}]"), problem));
+    }
+    if betas.len() > known {
+        let given = betas.len();
+        let problem = format!("{given} numbers are given; the model has {known} shapes");
+        return Err(Error::invalid("shape", problem));
+    }
+    Ok(())
+}
+
 impl CharacterFile {
+    /// A model of SMPL's kind in the shape `betas`, of a file or of a program's arrays.
+    pub(crate) fn of_model(
+        name: &str,
+        model: SmplModel,
+        betas: &[f64],
+        parts: &PartNames,
+    ) -> Result<Self> {
+        let SmplModel {
+            model,
+            shapes,
+            file_order,
+            ..
+        } = model;
+        let directions = model.shape_directions.len();
+        check_shape(betas, directions)?;
+        let called = |k: usize| match k.checked_sub(shapes) {
+            None => format!("shape {k}"),
+            Some(k) => format!("expression {k}"),
+        };
+        let mut body = Body::of_model(name, &model, betas, Vec::new());
+        body.joints = JointList::of_bones_in_order(&body.skeleton, &file_order);
+        let mut file = Self {
+            format: CharacterFormat::Smpl,
+            body,
+            file_vertices: Vec::new(),
+            file_vertex_count: 0,
+            shapes: (0..directions).map(called).collect(),
+            notes: Vec::new(),
+        };
+        file.separate(parts)?;
+        file.note_tissue();
+        Ok(file)
+    }
+
+    /// Says what is tissue, where that was chosen.
+    fn note_tissue(&mut self) {
+        let tissue = self.body.tissue_parts();
+        if tissue.len() > 1 || !self.body.attachments.is_empty() && !tissue.is_empty() {
+            let note = format!("tissue is {}", tissue.join(", "));
+            self.notes.push(note);
+        }
+    }
+
     /// Attaches what is not tissue, and keeps account of the file's vertices.
     fn separate(&mut self, named: &PartNames) -> Result<()> {
         /// A map that goes through the separation and is taken out again.

@@ -2,9 +2,12 @@
 
 use super::arrays::Arrays;
 use super::npy;
-use std::io::{Cursor, Read};
+use std::io::{Cursor, Read, Write};
 use std::path::Path;
 use supple::{Error, Result};
+use zip::CompressionMethod;
+use zip::result::ZipResult;
+use zip::write::SimpleFileOptions;
 
 /// Largest archive content that is read, bytes.
 const LARGEST_ARCHIVE: u64 = 1 << 30;
@@ -52,4 +55,29 @@ pub(crate) fn parse(bytes: &[u8], path: &Path, wanted: &[&str]) -> Result<Arrays
         arrays.insert(key, item);
     }
     Ok(arrays)
+}
+
+/// An archive of these arrays' `.npy` files, by name.
+pub(crate) fn pack(arrays: &[(&str, Vec<u8>)]) -> ZipResult<Vec<u8>> {
+    pack_by(CompressionMethod::Deflated, arrays)
+}
+
+/// [`pack`] without compression: what is large and hardly repeats.
+pub(crate) fn pack_whole(arrays: &[(&str, Vec<u8>)]) -> ZipResult<Vec<u8>> {
+    pack_by(CompressionMethod::Stored, arrays)
+}
+
+fn pack_by(method: CompressionMethod, arrays: &[(&str, Vec<u8>)]) -> ZipResult<Vec<u8>> {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (key, bytes) in arrays {
+        let options = SimpleFileOptions::default()
+            .compression_method(method)
+            .last_modified_time(zip::DateTime::DEFAULT)
+            .unix_permissions(0o644)
+            // Beyond 4 GiB lengths take 8 bytes.
+            .large_file(u32::try_from(bytes.len()).is_err());
+        zip.start_file(format!("{key}.npy"), options)?;
+        zip.write_all(bytes)?;
+    }
+    Ok(zip.finish()?.into_inner())
 }

@@ -18,7 +18,7 @@ pub use committed::{committed_scenes, unpack_scenes};
 pub use motion::{Playback, PoseFeed, RootTracking, TrackedMotion, read_motion};
 pub use run::{
     Breakdown, COLLIDER_COLOUR, Driver, EnergyReport, FullSpaceRun, HALF_SPACE_EXTENT, Median,
-    Report, SceneRun, Snapshot, Spread, run_full_space, run_scene,
+    Report, SceneRun, Snapshot, Spread, run_full_space, run_scene, run_scene_as_series,
 };
 pub use scene::{
     BonePose, Cut, Focus, Inset, Measure, Motion, Output, PanelTime, Pinned, Placement, Scene,

@@ -98,4 +98,16 @@ impl<B: Basis> Potential for Exact<B> {
     ) -> Result<()> {
         self.0.read_skin(instance, positions, normals).await
     }
+
+    async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        self.0
+            .read_contacts(instance, state, forces, pressures)
+            .await
+    }
 }

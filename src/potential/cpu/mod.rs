@@ -115,22 +115,6 @@ impl<B: Basis> CpuPotential<B> {
         Ok(())
     }
 
-    /// Contact and friction on each skin vertex at `state`, from the instance's start: force, N, and pressure, Pa.
-    pub(crate) async fn read_contacts(
-        &mut self,
-        instance: usize,
-        state: &State,
-        forces: &mut Vec<DVec3>,
-        pressures: &mut Vec<f64>,
-    ) -> Result<()> {
-        self.checks.instance(instance)?;
-        self.checks.begun(instance, self.has_begun(instance))?;
-        self.checks.state(state)?;
-        let (asset, instance) = (&self.asset, &mut self.instances[instance]);
-        in_pool(|| instance.contact_forces(asset, state, forces, pressures));
-        Ok(())
-    }
-
     fn has_begun(&self, instance: usize) -> bool {
         self.instances[instance].step.inertial_step > 0.0
     }
@@ -275,6 +259,21 @@ impl<B: Basis> Potential for CpuPotential<B> {
         let posed_skin = &self.instances[instance].posed_skin;
         positions.clone_from(&posed_skin.positions);
         normals.clone_from(&posed_skin.normals);
+        Ok(())
+    }
+
+    async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        self.checks.instance(instance)?;
+        self.checks.begun(instance, self.has_begun(instance))?;
+        self.checks.state(state)?;
+        let (asset, instance) = (&self.asset, &mut self.instances[instance]);
+        in_pool(|| instance.contact_forces(asset, state, forces, pressures));
         Ok(())
     }
 }

@@ -133,19 +133,6 @@ impl GpuPotential {
         Ok(())
     }
 
-    /// Contact and friction on each skin vertex at `state`, from the instance's start: force, N, and pressure, Pa.
-    pub(crate) async fn read_contacts(
-        &mut self,
-        instance: usize,
-        state: &State,
-        forces: &mut Vec<DVec3>,
-        pressures: &mut Vec<f64>,
-    ) -> Result<()> {
-        (self.recorder).record_contacts(instance, state, &mut self.submission)?;
-        let bytes = self.submission.read().await?;
-        self.recorder.finish_contacts(&bytes, forces, pressures)
-    }
-
     /// What `vertices`, a buffer of skins, holds of an instance.
     async fn read_vertices(
         &mut self,
@@ -330,5 +317,17 @@ impl Potential for GpuPotential {
             normals.push(Vec3::from_array(vertex.normal).as_dvec3());
         }
         Ok(())
+    }
+
+    async fn read_contacts(
+        &mut self,
+        instance: usize,
+        state: &State,
+        forces: &mut Vec<DVec3>,
+        pressures: &mut Vec<f64>,
+    ) -> Result<()> {
+        (self.recorder).record_contacts(instance, state, &mut self.submission)?;
+        let bytes = self.submission.read().await?;
+        self.recorder.finish_contacts(&bytes, forces, pressures)
     }
 }

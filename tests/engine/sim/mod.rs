@@ -12,3 +12,4 @@ mod motion;
 mod newton;
 mod springs;
 mod statics;
+mod step_potential;

@@ -117,6 +117,15 @@ impl Potential for Toy {
     async fn read_skin(&mut self, _: usize, _: &mut Vec<DVec3>, _: &mut Vec<DVec3>) -> Result<()> {
         Ok(())
     }
+    async fn read_contacts(
+        &mut self,
+        _: usize,
+        _: &State,
+        _: &mut Vec<DVec3>,
+        _: &mut Vec<f64>,
+    ) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// ½ k |x − a|².

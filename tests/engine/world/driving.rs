@@ -8,6 +8,7 @@ use supple::glam::{DMat3, DVec3};
 use supple::model::Frame;
 use supple::potential::CpuPotential;
 use supple::sim::{Pin, Settings, Simulation, SolverMode};
+use supple::skeleton::Spring;
 use supple::world::{Backend, LONGEST_STEP};
 use supple::{Result, World};
 
@@ -51,6 +52,72 @@ fn a_world_of_one_is_a_simulation() -> Result<()> {
         contacts += world.instance(key)?.report().contacts;
     }
     assert!(contacts > 0);
+    Ok(())
+}
+
+/// Bones that fly evenly from the first moment on carry their tissue along, pinned or drawn by springs; without a word they
+/// start from rest, and it is left behind.
+#[test]
+fn what_begins_on_its_way_feels_no_blow() -> Result<()> {
+    let avatar = limb(5, 8);
+    let displaced = |begin: bool, tracked: bool| -> Result<f64> {
+        let mut world = World::new(Backend::Cpu)?;
+        world.set_gravity(DVec3::ZERO);
+        let key = world.add_avatar(avatar.clone())?;
+        let key = world.add_instance(key)?;
+        let start = world.instance(key)?.frames().to_vec();
+        let drive = |world: &mut World, step: i32| {
+            let mut frames = start.clone();
+            frames[0].position += 0.02 * f64::from(step) * DVec3::X;
+            let character = world.instance_mut(key)?;
+            let spring = |stiffness| Spring {
+                stiffness,
+                damping: 0.01 * stiffness,
+            };
+            match tracked {
+                true => character.track_frames(&frames, spring(1e3), spring(1e5))?,
+                false => character.follow_frames(&frames)?,
+            }
+            Ok::<_, supple::Error>(frames)
+        };
+        drive(&mut world, 0)?;
+        let mut longest: f64 = 0.0;
+        for step in 1..6 {
+            if begin && step == 1 {
+                let mut next = start.clone();
+                next[0].position += 0.02 * DVec3::X;
+                world.instance_mut(key)?.begin_moving(&next, 0.01)?;
+            } else {
+                drive(&mut world, step)?;
+            }
+            world.step_blocking(0.01)?;
+            let displacement = world.instance(key)?.displacement();
+            longest = displacement
+                .iter()
+                .map(|d| d.length())
+                .fold(longest, f64::max);
+        }
+        Ok(longest)
+    };
+    for tracked in [false, true] {
+        let (begun, blow) = (displaced(true, tracked)?, displaced(false, tracked)?);
+        assert!(begun < 1e-7 && blow > 1e-4, "{tracked}: {begun} and {blow}");
+    }
+    let mut world = World::new(Backend::Cpu)?;
+    let key = world.add_avatar(avatar.clone())?;
+    let key = world.add_instance(key)?;
+    let frames = world.instance(key)?.frames().to_vec();
+    let character = world.instance_mut(key)?;
+    for (frames, step, field) in [
+        (&frames[..], 0.01, "nothing drives"),
+        (&[], 0.01, "0 given"),
+    ] {
+        let message = character
+            .begin_moving(frames, step)
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains(field), "{message}");
+    }
     Ok(())
 }
 

@@ -1,6 +1,8 @@
 //! `supple simulate`: files of a run, reduced and in full space.
 
 use super::{bad, folder, good};
+use supple::glam::DVec3;
+use supple_files::read_series;
 use supple_scene::Report;
 
 #[test]
@@ -49,6 +51,46 @@ fn a_scene_becomes_pictures_a_glb_and_a_report() {
     };
     assert_eq!(untimed(&again), untimed(&report), "the same bits");
     assert_eq!((file("strip.png"), file("avatar.glb")), (strip, glb));
+}
+
+/// Every step as arrays, which agree with the report on the whole run.
+#[test]
+fn a_series_holds_every_step() {
+    let folder = folder();
+    let run = [
+        "simulate",
+        "tiny.toml",
+        "--backend",
+        "cpu",
+        "--no-pictures",
+        "--series",
+        "steps/tiny.npz",
+        "--json",
+    ];
+    let report: Report = serde_json::from_str(&good(folder.path(), &run)).unwrap();
+    let series = read_series(folder.path().join("steps/tiny.npz")).unwrap();
+    let (steps, vertices) = (report.steps, report.vertices);
+    assert_eq!(series.time.len(), steps);
+    assert!((series.time[steps - 1] - steps as f64 * report.time_step).abs() < 1e-12);
+    assert_eq!(series.vertices.len(), steps * vertices);
+    let longest = |v: &[DVec3]| v.iter().map(|v| v.length()).fold(0.0, f64::max);
+    let displaced = 1e3 * longest(&series.displacement);
+    assert!((displaced - report.max_unposed_displacement_mm).abs() < 1e-9);
+    // At rest in contact: what presses the skin is what targets and pins bear, beside the weight.
+    let pressing = |step: usize| -> f64 {
+        let forces = &series.contact_force[step * vertices..(step + 1) * vertices];
+        forces.iter().sum::<DVec3>().length()
+    };
+    let nearest = (0..steps).map(|s| (pressing(s) - report.contact_force_n).abs());
+    assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-6 * report.contact_force_n);
+    assert!(series.loads.iter().flatten().any(|load| load.abs() > 0.1));
+    assert!(
+        series.energies.iter().any(|of_step| of_step[4] > 0.0),
+        "contact"
+    );
+
+    let both = ["simulate", "tiny.toml", "--full-space", "--series", "a.npz"];
+    bad(folder.path(), &both, 2, &["--series"]);
 }
 
 #[test]

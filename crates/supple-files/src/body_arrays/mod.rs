@@ -3,6 +3,7 @@
 use crate::array::Array;
 use crate::arrays::{Arrays, Item};
 use crate::smpl::model_of;
+use crate::{CharacterFile, PartNames};
 use supple::Result;
 use supple::model::{JointList, UpAxis};
 use supple_bake::{Body, ParametricModel};
@@ -73,6 +74,18 @@ impl BodyArrays<'_> {
         body.joints = JointList::of_bones_in_order(&body.skeleton, &model.file_order);
         body.up = self.up.unwrap_or(body.up);
         Ok(body)
+    }
+
+    /// What [`read_character`](crate::read_character) makes of an archive of these arrays: parts that are not tissue are
+    /// attached, and an account of the vertices is kept.
+    ///
+    /// # Errors
+    /// As [`BodyArrays::model`]; of shapes that are too many or not finite; of parts that are not there.
+    pub fn character(&self, name: &str, betas: &[f64], parts: &PartNames) -> Result<CharacterFile> {
+        let model = model_of(&self.arrays())?;
+        let mut file = CharacterFile::of_model(name, model, betas, parts)?;
+        file.body.up = self.up.unwrap_or(file.body.up);
+        Ok(file)
     }
 
     /// The arrays by their names, in the shapes that their lengths tell.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::npy::{encode_f64, encode_texts, encode_u32};
-use crate::smpl::{pack, read_smpl_model};
+use crate::npz::pack;
+use crate::smpl::read_smpl_model;
 use crate::{CharacterOptions, read_character};
 use glam::DVec3;
 use std::path::Path;
@@ -136,6 +137,15 @@ fn an_archive_of_these_names_is_a_character() {
     let body = example.arrays().body("example", &[2.0]).unwrap();
     assert_eq!(character.body.skeleton, body.skeleton);
     assert_eq!(character.body.joints, body.joints);
+    // All that is known of the file is known of the arrays.
+    let of_arrays = example
+        .arrays()
+        .character("example", &[2.0], &Default::default());
+    assert_eq!(of_arrays.unwrap(), character);
+    let refused = example
+        .arrays()
+        .character("example", &[f64::NAN], &Default::default());
+    assert!(refused.unwrap_err().to_string().starts_with("shape[0]: "));
     // And what is written of it is read.
     crate::write_smpl(&read, &path).unwrap();
     assert_eq!(read_smpl_model(&path).unwrap().model, read);

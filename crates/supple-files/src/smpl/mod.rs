@@ -34,8 +34,6 @@ mod tests;
 mod write;
 
 pub use hand_pose::HandPose;
-#[cfg(test)]
-pub(crate) use write::pack;
 pub use write::write_smpl;
 
 use super::{file, npz, pickle};

@@ -1,13 +1,12 @@
 //! Parametric models in SMPL's `.npz` layout, as [`crate::smpl::read_smpl`] reads them.
 
 use crate::npy::{encode_f64, encode_texts, encode_u32};
+use crate::npz::pack;
 use glam::DVec3;
-use std::io::{Cursor, Write};
 use std::path::Path;
 use supple::internal::write_whole;
 use supple::{Error, Result};
 use supple_bake::{Joints, ParametricModel};
-use zip::write::SimpleFileOptions;
 
 /// Writes `model` to `path`. The same model gives the same bytes.
 pub fn write_smpl(model: &ParametricModel, path: impl AsRef<Path>) -> Result<()> {
@@ -15,20 +14,6 @@ pub fn write_smpl(model: &ParametricModel, path: impl AsRef<Path>) -> Result<()>
     let failed = |e| Error::format(path, "archive", format!("could not be packed: {e}"));
     let bytes = pack(&arrays(model)).map_err(failed)?;
     write_whole(path, bytes)
-}
-
-/// An archive of these arrays, by name.
-pub(crate) fn pack(arrays: &[(&str, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
-    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
-    let options = SimpleFileOptions::default()
-        .compression_method(zip::CompressionMethod::Deflated)
-        .last_modified_time(zip::DateTime::DEFAULT)
-        .unix_permissions(0o644);
-    for (key, bytes) in arrays {
-        zip.start_file(format!("{key}.npy"), options)?;
-        zip.write_all(bytes)?;
-    }
-    Ok(zip.finish()?.into_inner())
 }
 
 /// Every key with its `.npy` file.

@@ -325,12 +325,12 @@ impl AvatarSource {
             },
             Self::Body(source) => source,
         };
-        let mut notes = Vec::new();
+        let (mut notes, mut file_vertices) = (Vec::new(), Vec::new());
         let (mut body, recipe) = match &source.from {
             BodyOrigin::Sample { sample, betas } => sample.shaped(betas)?,
             BodyOrigin::Character(character) => {
                 let file = character.read()?;
-                notes = file.notes;
+                (notes, file_vertices) = (file.notes, file.file_vertices);
                 (file.body, Recipe::default())
             }
             BodyOrigin::Tets { mesh, regions } => {
@@ -349,6 +349,7 @@ impl AvatarSource {
         Ok(SourceBody {
             body,
             recipe: source.bake.clone().unwrap_or(recipe),
+            file_vertices,
             notes,
         })
     }
@@ -361,6 +362,8 @@ pub struct SourceBody {
     pub body: Body,
     /// How it is baked.
     pub recipe: Recipe,
+    /// The character file's own vertex that each skin vertex is, where it keeps account of them.
+    pub file_vertices: Vec<u32>,
     /// What was decided about its file, a sentence each.
     pub notes: Vec<String>,
 }

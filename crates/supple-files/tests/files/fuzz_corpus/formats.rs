@@ -198,6 +198,26 @@ pub fn amass() -> Format {
     )
 }
 
+pub fn series() -> Format {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("series.npz");
+    let series = motion::Series {
+        time: vec![0.01],
+        vertices: vec![DVec3::X; 3],
+        displacement: vec![DVec3::Y; 3],
+        contact_force: vec![DVec3::Z; 3],
+        loads: vec![[1.0; 6]],
+        energies: vec![[0.5; 12]],
+        faces: vec![[0, 1, 2]],
+        bone_names: vec!["root".into()],
+    };
+    motion::write_series(&series, &file).unwrap();
+    let seed = std::fs::read(&file).unwrap();
+    plain("series", vec![seed], |bytes| {
+        motion::parse_series(bytes, path()).is_ok()
+    })
+}
+
 pub fn amass_npy_inside() -> Format {
     Format {
         wrap: |bytes| seeds::with_member(&seeds::amass_archive(), "poses.npy", &bytes),

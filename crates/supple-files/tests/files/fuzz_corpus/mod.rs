@@ -85,6 +85,7 @@ formats!(
     bvh,
     amass,
     amass_npy_inside,
+    series,
     pose,
     pose_stream,
     baked,
