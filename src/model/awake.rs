@@ -92,20 +92,21 @@ impl Awake {
         self.handles.iter().position(|h| *h == handle)
     }
 
-    /// Wakes `handle` in the next slot, unless it is awake or all are taken. Its displacement is 0 in `states`: neither a
+    /// Wakes `handle` in the next slot, unless it is awake or all are taken; the slots come after so many `coarse` handles. Its displacement is 0 in `states`: neither a
     /// position nor a velocity changes. Cells that wake with it start at s = 0.
     pub fn wake<'a>(
         &mut self,
-        avatar: &Avatar,
+        fine: &FineHandles,
+        coarse: usize,
         handle: u32,
         states: impl Iterator<Item = &'a mut State>,
     ) -> bool {
-        let (fine, slot) = (&avatar.fine, self.handles.len());
+        let slot = self.handles.len();
         if slot >= fine.slots || self.slot_of(handle).is_some() {
             return false;
         }
         self.handles.push(handle);
-        let at = avatar.coarse_handles() + slot;
+        let at = coarse + slot;
         states.for_each(|state| state.handles[at] = DVec3::ZERO);
         for &cell in fine.cells.row(handle as usize) {
             if let Err(at) = self.cells.binary_search_by_key(&cell, |c| c.0) {
@@ -118,11 +119,11 @@ impl Awake {
     /// The handle of `slot` sleeps; the last one takes its slot, in `states` too. Its cells fade from where they are.
     pub fn sleep<'a>(
         &mut self,
-        avatar: &Avatar,
+        coarse: usize,
         slot: usize,
         states: impl Iterator<Item = &'a mut State>,
     ) {
-        let (first, last) = (avatar.coarse_handles(), self.handles.len() - 1);
+        let (first, last) = (coarse, self.handles.len() - 1);
         self.handles.swap_remove(slot);
         for state in states {
             state.handles[first + slot] = state.handles[first + last];

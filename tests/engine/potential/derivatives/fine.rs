@@ -64,6 +64,11 @@ fn fine(avatar: &Avatar) -> FineHandles {
     }
 }
 
+fn wake(awake: &mut Awake, avatar: &Avatar, handle: u32) -> bool {
+    let coarse = avatar.coarse_handles();
+    awake.wake(&avatar.fine, coarse, handle, std::iter::empty())
+}
+
 /// The case with slots, and handles awake in some of them, their cells two thirds of the way.
 fn with_fine(mut case: Case) -> (Case, Awake) {
     case.avatar.fine = Arc::new(fine(&case.avatar));
@@ -71,7 +76,7 @@ fn with_fine(mut case: Case) -> (Case, Awake) {
     case.avatar = case.avatar.with_fine_slots(SLOTS).unwrap();
     let mut awake = Awake::none(&case.avatar);
     for handle in AWAKE {
-        assert!(awake.wake(&case.avatar, handle, std::iter::empty()));
+        assert!(wake(&mut awake, &case.avatar, handle));
     }
     awake.fade(&case.avatar.fine, |_| 2.0 / 3.0);
     awake.fade(&case.avatar.fine, |_| 0.0);
@@ -230,7 +235,12 @@ fn waking_changes_nothing_and_slots_may_change_places() {
     let asleep = evaluate(&mut begun(&case, &Awake::none(avatar)), &state);
     let mut fresh = Awake::none(avatar);
     for handle in AWAKE {
-        assert!(fresh.wake(avatar, handle, std::iter::once(&mut state)));
+        assert!(fresh.wake(
+            &avatar.fine,
+            avatar.coarse_handles(),
+            handle,
+            std::iter::once(&mut state)
+        ));
     }
     assert!(fresh.cells().iter().all(|cell| cell.1 == 0.0));
     let woken = evaluate(&mut begun_asleep(&case, &fresh), &state);
@@ -247,7 +257,7 @@ fn waking_changes_nothing_and_slots_may_change_places() {
     let first = avatar.coarse_handles();
     exchanged.handles.swap(first, first + 1);
     for handle in AWAKE.into_iter().rev() {
-        assert!(other.wake(avatar, handle, std::iter::empty()));
+        assert!(wake(&mut other, avatar, handle));
     }
     other.fade(&avatar.fine, |_| 2.0 / 3.0);
     let skins = [(&awake, &moved), (&other, &exchanged)]
@@ -264,7 +274,7 @@ fn waking_changes_nothing_and_slots_may_change_places() {
     let mut left = awake.clone();
     let mut state = moved.clone();
     let other = state.handles[first + 1];
-    left.sleep(avatar, 0, std::iter::once(&mut state));
+    left.sleep(first, 0, std::iter::once(&mut state));
     assert_eq!(left.handles(), [AWAKE[1]]);
     assert_eq!(state.handles[first..first + 2], [other, DVec3::ZERO]);
     left.validate(avatar).unwrap();
@@ -273,7 +283,7 @@ fn waking_changes_nothing_and_slots_may_change_places() {
     let cells: Vec<u32> = left.cells().iter().map(|c| c.0).collect();
     assert_eq!(cells, avatar.fine.cells.row(AWAKE[1] as usize));
     assert!(left.cells().iter().all(|cell| cell.1 == 1.0));
-    let full = [0, 2, 4].map(|h| left.wake(avatar, h, std::iter::empty()));
+    let full = [0, 2, 4].map(|h| wake(&mut left, avatar, h));
     assert_eq!(full, [true, true, false]);
 }
 
