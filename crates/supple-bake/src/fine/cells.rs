@@ -12,8 +12,10 @@ use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
 use supple::internal::math::{Rows, par_map};
 
-/// A cell is awake with a handle whose block is larger than this at one of the cell's nodes; 1 is the identity.
-const WAKES: f64 = 0.3;
+/// A cell is awake with a handle whose block is larger than this at one of the cell's nodes; 1 is the identity. With 0.3 the
+/// coarse points around see too little of it where there are few of them for the tets: of 30 awake handles on limb M a press
+/// is then off by 39 % in place of 25, as with all tets. On limb S, where a point stands for 12 tets, both do.
+const WAKES: f64 = 0.1;
 
 /// The points of the second level.
 #[derive(Debug, Default, PartialEq)]
@@ -133,12 +135,12 @@ mod tests {
     use super::*;
     use crate::test_mesh::partly_tissue;
 
-    /// Blocks that are 0.9 at one node and 0.2 at another.
+    /// Blocks that are 0.9 at one node and 0.05 at another.
     fn blocks(nodes: usize, strong: u32, weak: u32) -> Rows<(u32, DMat3)> {
         let block = |u: f64| DMat3::from_diagonal(DVec3::splat(u));
         let row = |n: u32| match n {
             n if n == strong => Some((0, block(0.9))),
-            n if n == weak => Some((0, block(0.2))),
+            n if n == weak => Some((0, block(0.05))),
             _ => None,
         };
         (0..nodes as u32).map(row).collect()

@@ -8,7 +8,7 @@ use supple::{Error, Result};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FineRecipe {
-    /// No soft skin is farther from a handle than this, m. A third of the coarse handles' median spacing where it is not
+    /// No soft skin is farther from a handle than this, m. A quarter of the coarse handles' median spacing where it is not
     /// given. The skin's own vertices and, where skin lies inside tets, the tets' edges set the limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f64>,
