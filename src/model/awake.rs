@@ -156,12 +156,10 @@ impl Awake {
     /// [`Error::Invalid`] in `awake`.
     pub fn validate(&self, avatar: &Avatar) -> Result<()> {
         let fine = &avatar.fine;
-        let mut seen = vec![false; fine.len()];
-        let mut new = |h: &u32| {
-            let seen = seen.get_mut(*h as usize);
-            seen.is_some_and(|seen| !std::mem::replace(seen, true))
-        };
-        let handles = self.handles.len() <= fine.slots && self.handles.iter().all(&mut new);
+        // They are few: a list of those seen would be one more allocation in a step.
+        let new =
+            |(k, h): (usize, &u32)| (*h as usize) < fine.len() && !self.handles[..k].contains(h);
+        let handles = self.handles.len() <= fine.slots && self.handles.iter().enumerate().all(new);
         let cells = self.cells.is_sorted_by(|a, b| a.0 < b.0)
             && (self.cells.iter()).all(|&(cell, s)| {
                 (cell as usize) < fine.own_measure.len() && (0.0..=1.0).contains(&s)
