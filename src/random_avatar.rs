@@ -73,6 +73,7 @@ pub fn random_avatar(
         tissue: local_tissue(seed, points),
         density: 1000.0,
         captured_under_gravity: true,
+        fine: Default::default(),
         bodies: Vec::new(),
         body_slots: 0,
     }

@@ -11,10 +11,11 @@ use supple::glam::{DMat3, DVec3};
 use supple::internal::math::in_pool;
 use supple::model::{Avatar, Frame, RigidBody, SpringCollider, SpringJoint, UpAxis};
 use supple::potential::CpuPotential;
-use supple::sim::{Pin, Simulation, SpringMode, StepReport};
+use supple::sim::{Pin, Settings, Simulation, SpringMode, StepReport};
 use supple::world::Backend;
 use supple::{Result, World};
-use supple_bake::bake;
+use supple_bake::{FineRecipe, HandleRegion, Recipe, bake};
+use supple_samples::Limb;
 use supple_scene::{Driver, read_scene};
 
 /// The system's allocator, counting what all threads ask of it.
@@ -96,7 +97,55 @@ fn a_warm_step_of_one_iteration_allocates_nothing() -> Result<()> {
     assert_eq!(requests[WARM_UP..], [0; STEPS - WARM_UP], "{requests:?}");
     following_a_host_allocates_nothing(&avatar, &simulation.instances()[0].state.frames)?;
     a_warm_step_of_a_world_allocates_nothing(avatar)?;
+    waking_allocates_nothing()?;
     spring_bones_allocate_nothing()
+}
+
+/// A sphere is pushed into a limb and out again, the same way twice: fine handles wake, fade and sleep.
+fn waking_allocates_nothing() -> Result<()> {
+    const CYCLE: usize = 110;
+    let recipe = Recipe {
+        handles: vec![HandleRegion {
+            count: Some(30),
+            ..HandleRegion::default()
+        }],
+        fine_handles: Some(FineRecipe::default()),
+        ..Recipe::default()
+    };
+    let avatar = bake(&Limb::S.body()?, &recipe, &mut |_| {})?.0;
+    let avatar = Arc::new(avatar.with_fine_slots(15)?);
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
+    let mut simulation = Simulation::new(&avatar, potential, Settings::default())?;
+    let instance = &mut simulation.instances_mut()[0];
+    let frame = instance.state.frames[0];
+    instance.pins.push(Pin { bone: 0, frame });
+    let at = |step: usize| {
+        let turn = step as f64 / CYCLE as f64 * std::f64::consts::TAU;
+        DVec3::new(0.125, 0.0, 0.095 + 0.04 * turn.cos())
+    };
+    let mut sphere = Collider::new(Shape::Sphere { radius: 0.02 }, Frame::IDENTITY);
+    sphere.frame.position = at(0);
+    sphere.previous = sphere.frame;
+    instance.colliders.push(sphere);
+    let mut report = StepReport::default();
+    let (mut requests, mut awake) = ([0; 3 * CYCLE], [0; 3 * CYCLE]);
+    in_pool(|| {
+        pollster::block_on(async {
+            for (step, count) in requests.iter_mut().enumerate() {
+                let instance = &mut simulation.instances_mut()[0];
+                instance.colliders[0].frame.position = at(step);
+                let before = REQUESTS.load(Ordering::Relaxed);
+                simulation.step_into(&mut report).await?;
+                *count = REQUESTS.load(Ordering::Relaxed) - before;
+                awake[step] = simulation.instances()[0].awake.handles().len();
+            }
+            Ok::<_, supple::Error>(())
+        })
+    })?;
+    let last = &awake[2 * CYCLE..];
+    assert!(last.contains(&0) && last.contains(&15), "{awake:?}");
+    assert_eq!(requests[2 * CYCLE..], [0; CYCLE], "{requests:?}");
+    Ok(())
 }
 
 /// Hair on a root that a host moves, near a collider, in steps of one substep and of several.

@@ -116,6 +116,9 @@ fn write_pictures(page: &Page, folder: &Path) -> Result<()> {
             Block::Animation {
                 name, animation, ..
             } => animation.write_png(&path(name))?,
+            Block::Data { name, json } => {
+                write_whole(folder.join(name).with_extension("json"), json.as_bytes())?;
+            }
             _ => {}
         }
     }

@@ -90,6 +90,13 @@ fn section(verdict: &Verdict, page: &Page) -> Result<String> {
                 let first = animation.frames.first();
                 out += &first.map_or(String::new(), |i| picture(verdict.name, name, caption, i));
             }
+            Block::Data { name, .. } => {
+                let _ = writeln!(
+                    out,
+                    "<p><a href=\"{}/{name}.json\">{name}.json</a></p>",
+                    verdict.name
+                );
+            }
             Block::Table(table) => out += &html_table(table),
             Block::Curves(curves) => {
                 let told = format!("{}: {} over {}", curves.title, curves.y, curves.x);

@@ -7,6 +7,7 @@
 //!
 //! A new figure is one file here and one line in [`FIGURES`].
 
+mod awake;
 mod bases;
 mod bone_press;
 mod check;
@@ -26,6 +27,7 @@ mod page;
 mod pin_press;
 mod poses;
 pub mod press;
+mod press_anywhere;
 mod ragdolls;
 mod reduced_full;
 mod rigid_soft;
@@ -44,7 +46,7 @@ mod walk;
 pub use check::{Bound, Check};
 pub use gallery::{Summary, Verdict, write_gallery};
 pub use page::{Block, Page, Table};
-pub use runner::{Progress, Runner, Size};
+pub use runner::{Progress, Runner, SeededPresses, Size};
 
 use supple::Result;
 
@@ -85,5 +87,6 @@ pub const FIGURES: &[Figure] = &[
     bone_press::FIGURE,
     compression::FIGURE,
     elastic_extension::FIGURE,
+    press_anywhere::FIGURE,
     sway::FIGURE,
 ];

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use supple::{Error, Result};
 use supple_cli::terminal::{bar, exit, parse, print, print_json};
-use supple_lab::{FIGURES, Figure, Progress, Runner, Size, Verdict, write_gallery};
+use supple_lab::{FIGURES, Figure, Progress, Runner, SeededPresses, Size, Verdict, write_gallery};
 use supple_scene::unpack_scenes;
 
 /// Run the figures of the paper, and write a page with their pictures, measures and checks.
@@ -26,6 +26,15 @@ struct Arguments {
     /// Names and titles of the figures, and nothing else.
     #[arg(long)]
     list: bool,
+    /// Draws the places of `press_anywhere`.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Presses on each body of `press_anywhere`; 5, or 3 of the small variant.
+    #[arg(long)]
+    count: Option<usize>,
+    /// A body of `press_anywhere`: limb_s, limb_m, hand, body, or a character's file; may be given several times.
+    #[arg(long, value_name = "NAME|FILE")]
+    body: Vec<String>,
     /// Write all measures and checks to stdout as JSON.
     #[arg(long)]
     json: bool,
@@ -58,7 +67,12 @@ impl Arguments {
             Some(folder) => folder.clone(),
             None => unpack_scenes(&self.cache)?,
         };
-        let runner = Runner::new(size, scenes, &self.cache, show);
+        let mut runner = Runner::new(size, scenes, &self.cache, show);
+        runner.presses = SeededPresses {
+            seed: self.seed,
+            count: self.count,
+            bodies: self.body.clone(),
+        };
         let mut tell = |verdict: &Verdict| {
             if !self.json {
                 print_verdict(verdict);

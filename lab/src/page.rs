@@ -2,6 +2,7 @@
 
 use super::{Bound, Check};
 use serde::Serialize;
+use supple::{Error, Result};
 use supple_pictures::{Animation, Curves, Image};
 use supple_scene::Report;
 
@@ -41,6 +42,13 @@ pub enum Block {
     Table(Table),
     /// Curves.
     Curves(Curves),
+    /// Values for programs.
+    Data {
+        /// Name of its file, without extension; unique on the page.
+        name: String,
+        /// They, as JSON.
+        json: String,
+    },
 }
 
 /// Measured values in rows.
@@ -97,6 +105,20 @@ impl Page {
     /// Adds curves.
     pub fn curves(&mut self, curves: Curves) {
         self.blocks.push(Block::Curves(curves));
+    }
+
+    /// Adds values for programs; `name` becomes their file's.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where they cannot be written.
+    pub fn data(&mut self, name: &str, values: &impl Serialize) -> Result<()> {
+        let json = serde_json::to_string_pretty(values)
+            .map_err(|e| Error::invalid(name, format!("cannot be written: {e}")))?;
+        self.blocks.push(Block::Data {
+            name: name.into(),
+            json,
+        });
+        Ok(())
     }
 
     /// Adds a check.

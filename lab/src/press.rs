@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use supple::Result;
 use supple::collider::{Collider, Shape};
-use supple::internal::cpu::Basis;
+use supple::internal::cpu::{Basis, min_det_f};
 use supple::material::{Material, StableNeoHookean};
 use supple::model::{Avatar, Frame, Integrator, State};
 use supple::potential::{CpuPotential, Potential};
@@ -79,6 +79,25 @@ pub fn press_full_space(avatar: &Avatar, depths: &[f64]) -> Result<Pressed> {
     press_with(&avatar, potential, Some(solver), depths)
 }
 
+/// The layer of `avatar` pressed by `shape` at each of `frames` in turn, every node free, from rest or from `start`; and the
+/// smallest det F over all tets.
+///
+/// # Errors
+/// As [`press_along`].
+pub fn press_full_space_along(
+    avatar: &Avatar,
+    shape: Shape,
+    frames: &[Frame],
+    start: Option<&State>,
+) -> Result<(Pressed, f64)> {
+    let avatar = Arc::new(in_full_space(avatar)?);
+    let potential = CpuPotential::new(avatar.clone(), 1)?;
+    let solver = Box::new(SparseCholesky::new(potential.pattern())?);
+    let pressed = press_from(&avatar, potential, Some(solver), shape, frames, start)?;
+    let least = min_det_f(&avatar.layer, &pressed.state);
+    Ok((pressed, least))
+}
+
 /// The same of any basis, with a linear solver of one's own.
 ///
 /// # Errors
@@ -114,6 +133,18 @@ pub fn press_along<B: Basis>(
     shape: Shape,
     frames: &[Frame],
 ) -> Result<Pressed> {
+    press_from(avatar, potential, solver, shape, frames, None)
+}
+
+/// [`press_along`] from `start` in place of rest.
+fn press_from<B: Basis>(
+    avatar: &Avatar,
+    potential: CpuPotential<B>,
+    solver: Option<Box<dyn LinearSolver + Send + Sync>>,
+    shape: Shape,
+    frames: &[Frame],
+    start: Option<&State>,
+) -> Result<Pressed> {
     let settings = Settings {
         time_step: 100.0,
         integrator: Integrator::BackwardEuler,
@@ -128,6 +159,9 @@ pub fn press_along<B: Basis>(
         None => Simulation::new(avatar, potential, settings)?,
     };
     let instance = &mut simulation.instances_mut()[0];
+    if let Some(start) = start.filter(|start| start.space() == instance.state.space()) {
+        instance.state.clone_from(start);
+    }
     let bones = instance.state.frames.iter().enumerate();
     instance.pins = bones.map(|(bone, &frame)| Pin { bone, frame }).collect();
     let mut forces = Vec::new();

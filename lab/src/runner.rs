@@ -24,6 +24,28 @@ pub enum Size {
     Full,
 }
 
+/// Which presses are drawn where places are drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SeededPresses {
+    /// The same seed draws the same places.
+    pub seed: u64,
+    /// How many on each body; the figure's own number where it is not given.
+    pub count: Option<usize>,
+    /// On which bodies: samples by name (`limb_s`, `limb_m`, `hand`, `body`) or characters' files; the figure's own where there
+    /// is none.
+    pub bodies: Vec<String>,
+}
+
+impl Default for SeededPresses {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            count: None,
+            bodies: Vec::new(),
+        }
+    }
+}
+
 /// Something that takes a while.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
@@ -42,6 +64,8 @@ type Slot = Arc<Mutex<Option<Arc<Avatar>>>>;
 pub struct Runner {
     /// How much a figure may cost.
     pub size: Size,
+    /// Where figures press that draw their places.
+    pub presses: SeededPresses,
     scenes: PathBuf,
     cache: PathBuf,
     progress: Box<dyn Fn(Progress<'_>) + Send + Sync>,
@@ -58,6 +82,7 @@ impl Runner {
     ) -> Self {
         Self {
             size,
+            presses: SeededPresses::default(),
             scenes: scenes.into(),
             cache: cache.into(),
             progress: Box::new(progress),

@@ -70,6 +70,10 @@ impl AvatarFile {
             let problem = "are no part of a baked file; write the avatar before it gets them";
             return Err(Error::invalid("bodies", problem));
         }
+        if self.avatar.fine.slots > 0 {
+            let problem = "are no part of a baked file; write the avatar before it gets them";
+            return Err(Error::invalid("fine.slots", problem));
+        }
         let mut all = parts::of_avatar(&self.avatar, parts)?;
         all.extend(self.others.iter().cloned());
         let bytes = sections::join(&all);

@@ -18,6 +18,7 @@
 //! | `shad` | index of the material and tangents of each part of `draw` | none |
 //! | `vatt` | normals, colours and further texture coordinates of each part of `draw` | none |
 //! | `look` | materials, textures and images of the body's file | parts are drawn in plain colours |
+//! | `fine`, `fcub` | handles that sleep, and the cubature points around them | none can wake |
 //! | `layr` | mesh, basis and embedding of the soft layer: for reports, bakes and the full space | none |
 //!
 //! Sections are of version 1, but `matl` and `layr` of version 2: those of version 1 have one damping time for all of the
@@ -30,8 +31,8 @@ use super::version_1;
 use crate::material::{LocalTissue, Material};
 use crate::math::Rows;
 use crate::model::{
-    Appearance, Avatar, BasisEntry, BoneMass, JointList, PointSet, PoseBlend, RenderMesh, Skeleton,
-    SkinWeight, SoftLayer, SpringBones, UpAxis,
+    Appearance, Avatar, BasisEntry, BoneMass, FineHandles, JointList, PointSet, PoseBlend,
+    RenderMesh, Skeleton, SkinWeight, SoftLayer, SpringBones, UpAxis,
 };
 use crate::{Error, Result};
 use glam::DVec3;
@@ -58,6 +59,8 @@ const DRAWN: [u8; 4] = *b"draw";
 const SHADING: [u8; 4] = *b"shad";
 const VERTEX_ATTRIBUTES: [u8; 4] = *b"vatt";
 const APPEARANCE: [u8; 4] = *b"look";
+const FINE: [u8; 4] = *b"fine";
+const FINE_CUBATURE: [u8; 4] = *b"fcub";
 const LAYER: [u8; 4] = *b"layr";
 
 type Bones<'a> = (Cow<'a, str>, Cow<'a, Skeleton>, Cow<'a, [BoneMass]>);
@@ -173,6 +176,10 @@ pub(super) fn of_avatar(avatar: &Avatar, parts: Parts) -> Result<Vec<Section>> {
     if parts == Parts::All && !avatar.appearance.is_empty() {
         sections.push(section(APPEARANCE, &*avatar.appearance)?);
     }
+    if !avatar.fine.is_empty() {
+        sections.push(section(FINE, &*avatar.fine)?);
+        sections.push(section(FINE_CUBATURE, &Points::of(&avatar.fine.points))?);
+    }
     if parts == Parts::All && avatar.layer != SoftLayer::default() {
         sections.push(section(LAYER, &avatar.layer)?);
     }
@@ -219,6 +226,7 @@ pub(super) fn to_avatar(sections: &mut Vec<Section>, path: &Path) -> Result<Avat
         tissue: tissue.local.into_owned(),
         density: tissue.density,
         captured_under_gravity: tissue.captured_under_gravity,
+        fine: Arc::new(reader.fine()?),
         layer: reader.layer()?,
         bodies: Vec::new(),
         body_slots: 0,
@@ -260,6 +268,25 @@ impl<'a> Points<'a> {
             },
         }
     }
+
+    /// The set that they are, without pose blend shapes.
+    fn without_pose(self) -> PointSet {
+        let no_gradient = |&(handle, value): &(u32, f64)| BasisEntry {
+            handle,
+            value,
+            gradient: DVec3::ZERO,
+        };
+        PointSet {
+            position: self.position.into_owned(),
+            measure: self.measure.into_owned(),
+            skinning: self.skinning.into_owned(),
+            basis: match self.basis {
+                Basis::Values(rows) => rows.map(no_gradient),
+                Basis::Gradients(rows) => rows.into_owned(),
+            },
+            pose_blend: PoseBlend::default(),
+        }
+    }
 }
 
 /// Takes sections out of a file.
@@ -287,6 +314,18 @@ impl Reader<'_> {
             captured_under_gravity: tissue.captured_under_gravity,
         };
         Ok((tissue, Some(damping_time)))
+    }
+
+    /// The fine handles; none where the file has none.
+    fn fine(&mut self) -> Result<FineHandles> {
+        let Some(fine) = self.optional::<FineHandles>(FINE)? else {
+            return Ok(FineHandles::default());
+        };
+        let points: Points<'static> = self.required(FINE_CUBATURE)?;
+        Ok(FineHandles {
+            points: points.without_pose(),
+            ..fine
+        })
     }
 
     /// The soft layer; empty where the file has none.
@@ -361,20 +400,9 @@ impl Reader<'_> {
             Some(sparse) => (sparse.columns(count))
                 .map_err(|problem| Error::format(self.path, tag_name(pose), problem))?,
         };
-        let no_gradient = |&(handle, value): &(u32, f64)| BasisEntry {
-            handle,
-            value,
-            gradient: DVec3::ZERO,
-        };
         Ok(PointSet {
-            position: points.position.into_owned(),
-            measure: points.measure.into_owned(),
-            skinning: points.skinning.into_owned(),
-            basis: match points.basis {
-                Basis::Values(rows) => rows.map(no_gradient),
-                Basis::Gradients(rows) => rows.into_owned(),
-            },
             pose_blend,
+            ..points.without_pose()
         })
     }
 }

@@ -42,7 +42,7 @@ impl<T> Rows<T> {
     }
 
     /// All rows in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[T]> {
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[T]> + Clone {
         self.offsets
             .windows(2)
             .map(|w| &self.entries[w[0] as usize..w[1] as usize])
@@ -62,6 +62,52 @@ impl<T> Rows<T> {
     pub fn push(&mut self, row: impl IntoIterator<Item = T>) {
         self.entries.extend(row);
         self.offsets.push(self.entries.len() as u32);
+    }
+
+    /// Appends a row if there is anything in it, sorted by `key`; whether there was.
+    pub fn push_some<K: Ord>(
+        &mut self,
+        row: impl IntoIterator<Item = T>,
+        key: impl FnMut(&T) -> K,
+    ) -> bool {
+        let before = self.entries.len();
+        self.entries.extend(row);
+        if self.entries.len() == before {
+            return false;
+        }
+        self.entries[before..].sort_unstable_by_key(key);
+        self.offsets.push(self.entries.len() as u32);
+        true
+    }
+
+    /// Takes all rows out; the memory stays.
+    pub fn clear(&mut self) {
+        self.offsets.clear();
+        self.offsets.push(0);
+        self.entries.clear();
+    }
+
+    /// `rows` rows of the `items`, each in the row that it says, those of a row in order, in the memory that is there.
+    pub fn sort(&mut self, rows: usize, items: impl Iterator<Item = (usize, T)> + Clone)
+    where
+        T: Copy + Default,
+    {
+        // offsets[row + 1] runs from the start of its row to the end of it, by way of offsets[row + 2].
+        self.offsets.clear();
+        self.offsets.resize(rows + 2, 0);
+        (items.clone()).for_each(|(row, _)| self.offsets[row + 2] += 1);
+        for row in 2..rows + 2 {
+            self.offsets[row] += self.offsets[row - 1];
+        }
+        self.entries.clear();
+        let count = self.offsets[rows + 1] as usize;
+        self.entries.resize(count, T::default());
+        for (row, item) in items {
+            let next = &mut self.offsets[row + 1];
+            self.entries[*next as usize] = item;
+            *next += 1;
+        }
+        self.offsets.truncate(rows + 1);
     }
 
     /// The same rows with every entry mapped.

@@ -1,8 +1,8 @@
 //! The baked avatar: everything that stays constant while it is simulated.
 
 use super::{
-    Appearance, BoneMass, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space, SpringBones,
-    State, TetMesh, UpAxis,
+    Appearance, BoneMass, FineHandles, JointList, PointSet, RigidBody, Skeleton, SkinWeight, Space,
+    SpringBones, State, TetMesh, UpAxis,
 };
 use crate::material::{LocalTissue, Material, MaterialPoint};
 use crate::math::Rows;
@@ -86,6 +86,9 @@ pub struct Avatar {
     /// Whether the rest shape already sags under gravity (a captured shape does); then the tissue's
     /// weight loads the bones and not the handles.
     pub captured_under_gravity: bool,
+    /// Handles that sleep beside `handles`, in sections of their own of a file ([`crate::file`]).
+    #[serde(skip)]
+    pub fine: Arc<FineHandles>,
     /// The mesh behind the cubature; empty where the file was written without it.
     pub layer: SoftLayer,
     /// Rigid bodies in the same system ([`Avatar::with_bodies`]): the last frames, skin vertices and
@@ -152,6 +155,13 @@ impl Avatar {
                 tissue.resize(count, LocalTissue::default());
             }
             (tissue.iter_mut()).for_each(|local| local.damping_time = damping_time);
+        }
+        if !self.fine.is_empty() {
+            let fine = Arc::make_mut(&mut self.fine);
+            if fine.tissue.is_empty() && damping_time != 0.0 {
+                (fine.tissue).resize(fine.points.len(), LocalTissue::default());
+            }
+            (fine.tissue.iter_mut()).for_each(|local| local.damping_time = damping_time);
         }
     }
 
@@ -247,6 +257,9 @@ impl Avatar {
         if !self.pose_extension.is_empty() {
             (self.pose_extension).validate("pose_extension", self.cubature.len())?;
         }
+        let vertices = self.tissue_vertices() + self.attached.len();
+        let sizes = [self.cubature.len(), handles, vertices, nodes];
+        self.fine.validate(&self.skeleton, sizes)?;
         (self.render_meshes.iter()).try_for_each(|d| d.validate(self.skin.len()))?;
         let check = |ok: bool, field: &str, problem: &str| {
             if ok {

@@ -2,7 +2,9 @@
 
 mod appearance;
 mod avatar;
+mod awake;
 mod bone_mass;
+mod fine_handles;
 mod follow;
 mod frame;
 mod history;
@@ -22,7 +24,9 @@ mod up_axis;
 
 pub use appearance::{Appearance, Image};
 pub use avatar::{Avatar, SoftLayer};
+pub use awake::Awake;
 pub use bone_mass::BoneMass;
+pub use fine_handles::{FineBlock, FineHandles};
 pub use frame::Frame;
 pub(crate) use frame::is_rotation;
 pub use history::{History, Integrator};

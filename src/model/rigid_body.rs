@@ -247,6 +247,7 @@ impl RigidBody {
             tissue: Vec::new(),
             density: 1.0,
             captured_under_gravity: false,
+            fine: Default::default(),
             layer: SoftLayer::default(),
             bodies: Vec::new(),
             body_slots: 0,

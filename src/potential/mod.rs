@@ -22,7 +22,7 @@ pub use pattern::BlockPattern;
 pub(crate) use pattern::point_blocks;
 
 use crate::collider::Collider;
-use crate::model::{InertialTarget, Space, State};
+use crate::model::{Awake, InertialTarget, Space, State};
 use crate::{Error, Result};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -227,6 +227,24 @@ pub trait Potential {
     /// Time spent since the last [`Potential::begin_step`], where the implementation measures it.
     fn timings(&self) -> EvaluationTimings {
         EvaluationTimings::default()
+    }
+
+    /// Says which fine handles of an instance are awake in what follows; none at first.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where one is not there, and where the implementation has no fine handles.
+    fn wake(&mut self, instance: usize, awake: &Awake) -> Result<()> {
+        let _ = instance;
+        match awake.is_none() {
+            true => Ok(()),
+            false => Err(Error::invalid(
+                "awake",
+                format!(
+                    "{} evaluates no fine handles: give the avatar no slots for them",
+                    self.name()
+                ),
+            )),
+        }
     }
 
     /// Starts a step of every active instance: x̄ from θⁿ, x̂, the lagged damping tangent.

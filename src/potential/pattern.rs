@@ -71,6 +71,19 @@ impl BlockPattern {
         }
     }
 
+    /// The pattern with the rows of all blocks from `first` on full: what the slots of fine handles may share points with.
+    pub fn with_full_rows(self, first: usize) -> Self {
+        let rows = self.columns.iter().enumerate();
+        let columns = rows.map(|(row, columns)| match row < first {
+            true => columns.to_vec(),
+            false => (0..=row as u32).collect(),
+        });
+        Self {
+            space: self.space,
+            columns: columns.collect(),
+        }
+    }
+
     /// The numbering of DoFs.
     pub fn space(&self) -> Space {
         self.space

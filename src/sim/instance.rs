@@ -1,8 +1,9 @@
 //! One simulated avatar: its state and what drives it.
 
 use super::settings::{Settings, not_negative};
+use super::waking_memory::WakingMemory;
 use crate::collider::Collider;
-use crate::model::{Avatar, Frame, History, PoseOffsets, State, UpAxis, is_rotation};
+use crate::model::{Avatar, Awake, Frame, History, PoseOffsets, State, UpAxis, is_rotation};
 use crate::potential::{PreviousSkin, TissueFactors};
 use crate::skeleton::{Bending, JointLimit, Preload, Tracking};
 use crate::{Error, Result};
@@ -63,6 +64,8 @@ pub struct Instance {
     pub inertia_share: f64,
     /// What a host's own model of the pose adds to the skin's rest shape: in the steps that follow, and where it is drawn.
     pub pose_offsets: PoseOffsets,
+    /// Which fine handles are awake: a step says so, by what is near. Slots after these are at 0.
+    pub awake: Awake,
     /// Which spring bones swing.
     pub springs: SpringMode,
     /// Turns the axes of the avatar's file into the world's: the gravity of spring bones is said in the former. At first
@@ -72,6 +75,8 @@ pub struct Instance {
     pub active: bool,
     /// Whether it was put where it is since the last step: no motion led there.
     pub(crate) was_put: bool,
+    /// What waking remembers.
+    pub(crate) waking: WakingMemory,
 }
 
 impl Instance {
@@ -106,6 +111,8 @@ impl Instance {
             factors: TissueFactors::default(),
             inertia_share: 0.0,
             pose_offsets: PoseOffsets::default(),
+            awake: Awake::none(avatar),
+            waking: WakingMemory::default(),
             springs: SpringMode::default(),
             file_axes: avatar.standing(UpAxis::Z).rotation,
             active: true,

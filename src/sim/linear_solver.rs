@@ -15,7 +15,8 @@ pub struct SolveReport {
 /// Solves H δ = −g over the free DoFs.
 pub trait LinearSolver {
     /// Solves for `step`, whose `fixed` DoFs come out 0. `hessian` holds the blocks of the pattern
-    /// that the solver was made for, lower triangle, each 3×3 column by column. A matrix that is not positive
+    /// that the solver was made for, lower triangle, each 3×3 column by column; it may end before the rows of the last DoFs, which
+    /// are fixed then. A matrix that is not positive
     /// definite gets the first of `shifts`, rising, that makes it so.
     ///
     /// # Errors
@@ -44,7 +45,7 @@ pub trait LinearSolver {
     }
 }
 
-/// `out = H x + y` with the packed lower triangle.
+/// `out = H x + y` with the packed lower triangle. Rows that `hessian` ends before are of DoFs that are fixed.
 pub fn multiply_add(
     pattern: &BlockPattern,
     hessian: &[[f64; 9]],
@@ -56,8 +57,12 @@ pub fn multiply_add(
     let columns = pattern.columns();
     let three = |values: &[f64], block: usize| [0, 1, 2].map(|i| values[3 * block + i]);
     for row in 0..columns.len() {
+        let range = columns.range(row);
+        if range.end > hessian.len() {
+            break;
+        }
         let (x_row, mut sum) = (three(x, row), three(out, row));
-        for (&column, block) in columns.row(row).iter().zip(&hessian[columns.range(row)]) {
+        for (&column, block) in columns.row(row).iter().zip(&hessian[range]) {
             let (column, x_column) = (column as usize, three(x, column as usize));
             for j in 0..3 {
                 for i in 0..3 {
@@ -88,9 +93,9 @@ pub fn diagonal_scaling(
     let columns = pattern.columns();
     for row in 0..columns.len() {
         // The diagonal block is the last of its row.
-        let block = &hessian[columns.range(row).end - 1];
+        let block = hessian.get(columns.range(row).end - 1);
         for axis in 0..3 {
-            let (dof, diagonal) = (3 * row + axis, block[4 * axis]);
+            let (dof, diagonal) = (3 * row + axis, block.map_or(0.0, |b| b[4 * axis]));
             scaling[dof] = if !fixed[dof] && diagonal > 0.0 {
                 diagonal.sqrt().recip()
             } else {

@@ -1,6 +1,7 @@
 //! One instance's minimisation of E in a step: its Newton step, and what is told about it.
 
 use super::carried::CarriedBone;
+use super::instance::Instance;
 use super::linear_solver::{LinearSolver, SolveReport};
 use super::report::InstanceReport;
 use super::spring_bones::Swing;
@@ -80,6 +81,18 @@ impl Minimisation {
     pub fn prescribe(&mut self, frame: usize) {
         self.prescribed[frame] = true;
         self.fixed[6 * frame..6 * frame + 6].fill(true);
+    }
+
+    /// Handles from `first` on stand for fine ones: those that sleep or leave do not move in this step.
+    pub fn hold_sleeping(&mut self, first: usize, instance: &Instance) {
+        let (frames, taken) = (self.prescribed.len(), instance.awake.handles().len());
+        let handles = instance.state.handles.len();
+        for slot in 0..handles - first {
+            if slot >= taken || instance.waking.is_leaving(slot) {
+                let block = 2 * frames + first + slot;
+                self.fixed[3 * block..3 * block + 3].fill(true);
+            }
+        }
     }
 
     /// Solves H δ = −g for the Newton step, where the iterate has the energies, gradient and Hessian of `evaluation`

@@ -5,7 +5,9 @@
 //! | file | what it does |
 //! |---|---|
 //! | `settings` | what stays the same through a simulation |
+//! | `waking_memory` | what waking remembers of an instance |
 //! | `instance` | an avatar's state and what drives it, written by the user between steps |
+//! | `waking` | which fine handles are awake in the next step |
 //! | `prediction` | where the minimisation starts: the inertial prediction, and qⁿ as its fall-back |
 //! | `carried` | bones without mass, which the others carry along |
 //! | `spring_bones` | the dynamics of those of them that swing |
@@ -55,6 +57,8 @@ mod step_potential;
 mod step_start;
 mod stepper;
 mod substeps;
+mod waking;
+mod waking_memory;
 
 pub(crate) use groups::Link;
 pub(crate) use members::Members;

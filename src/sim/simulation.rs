@@ -8,6 +8,7 @@ use super::settings::Settings;
 use super::solvers::Solvers;
 use super::stepper::{Physics, Stepper};
 use super::substeps::{DrivenFrame, Split};
+use super::waking::Waking;
 use crate::math::{Stopwatch, recycled};
 use crate::model::Avatar;
 use crate::potential::Potential;
@@ -67,6 +68,7 @@ impl<P: Potential> Simulation<P> {
         }
         let physics = Physics {
             skeleton: SkeletonModel::new(avatar),
+            waking: Waking::new(avatar),
             captured_under_gravity: avatar.captured_under_gravity,
             settings,
         };
@@ -158,6 +160,7 @@ impl<P: Potential> Simulation<P> {
     ) -> Result<()> {
         let watch = Stopwatch::start();
         let mut timings = Timings::default();
+        self.wake()?;
         let settings = self.physics.settings;
         let active = self.instances.iter().filter(|instance| instance.active);
         let split = Split::new(&settings, settings.time_step, active);
@@ -178,6 +181,20 @@ impl<P: Potential> Simulation<P> {
         reports.resize_with(self.instances.len(), InstanceReport::default);
         for (i, out) in reports.iter_mut().enumerate() {
             self.stepper.swap_report(i, out);
+        }
+        Ok(())
+    }
+
+    /// Wakes the fine handles near what may touch the active instances in this frame.
+    fn wake(&mut self) -> Result<()> {
+        let Some(waking) = &self.physics.waking else {
+            return Ok(());
+        };
+        for (i, instance) in self.instances.iter_mut().enumerate() {
+            if instance.active {
+                waking.update(instance);
+            }
+            self.potential.wake(i, &instance.awake)?;
         }
         Ok(())
     }

@@ -13,6 +13,7 @@ use super::settings::Settings;
 use super::solvers::{Solvers, Systems};
 use super::step_end::StepEnds;
 use super::step_start::{skeleton_start, tissue_start};
+use super::waking::Waking;
 use crate::math::{Stopwatch, par_members, recycled};
 use crate::model::State;
 use crate::potential::{PreviousSkin, StepStart};
@@ -27,6 +28,8 @@ use std::ops::Range;
 pub(crate) struct Physics {
     /// The bones' own terms.
     pub skeleton: SkeletonModel,
+    /// Which fine handles wake; none of an avatar without slots for them.
+    pub waking: Option<Waking>,
     /// Whether the rest shape already sags, see [`Avatar::captured_under_gravity`](crate::model::Avatar).
     pub captured_under_gravity: bool,
     /// What stays the same through its steps.
@@ -126,6 +129,9 @@ impl Stepper {
                 predict(skeleton, instance, &start.inertia, iterate);
                 carry_on(instance, iterate, carried);
                 minimisation.fixed.fill(false);
+                if let Some(waking) = &physics.waking {
+                    minimisation.hold_sleeping(waking.first_slot(), instance);
+                }
                 minimisation.prescribed.fill(false);
                 carried_bones(&physics.skeleton, instance, &mut minimisation.carried);
                 for start in [iterate, carried, fallback] {

@@ -45,6 +45,8 @@ impl Batch {
         let batch = Self {
             avatar: base.clone(),
             physics: Physics {
+                // A world gives its avatars no slots yet.
+                waking: None,
                 skeleton: SkeletonModel::new(&base),
                 captured_under_gravity: base.captured_under_gravity,
                 settings,

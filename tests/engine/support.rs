@@ -128,6 +128,7 @@ pub fn full_space_limb(limb: &Limb, bones: usize, captured_under_gravity: bool) 
         }),
         density: 1000.0,
         captured_under_gravity,
+        fine: Default::default(),
         bodies: Vec::new(),
         body_slots: 0,
         layer: SoftLayer {

@@ -14,23 +14,26 @@ use crate::body::Body;
 use crate::bones::{BoneLoads, SpringReport, bone_masses, drop_bones, left_to_tissue, retain};
 use crate::cubature::{Cubature, Tissue};
 use crate::depth::{depth_per_bone, thin_places};
+use crate::fine::{Coarse, bake_fine};
 use crate::handles::{HandleCandidates, Handles, Softness, automatic};
 use crate::mesh::{MeshQuality, MeshReport};
 use crate::softness::Regions;
 use crate::sway::SwayProfile;
+use std::sync::Arc;
 use std::time::Instant;
 use supple::internal::math::Rows;
 use supple::model::{Avatar, PointSet, SoftLayer, SpringBones, TetMesh};
 use supple::{Error, Result};
 
 /// The phases of a bake, in order.
-pub const PHASES: [&str; 6] = [
+pub const PHASES: [&str; 7] = [
     "mesh",
     "skin weights",
     "basis",
     "cubature",
     "points",
     "bones",
+    "fine handles",
 ];
 
 /// A basis that misses affine functions by more than this was not determined by its constraints.
@@ -185,7 +188,6 @@ fn bake_phases(
     clock.start(5);
     let (masses, mut bones) = bone_masses(body, &node_skinning, recipe.density);
     let loads = BoneLoads::of(body);
-    let seconds = clock.finish();
 
     let material = soft.material;
     let mut skeleton = body.skeleton.clone();
@@ -215,6 +217,7 @@ fn bake_phases(
             .collect(),
         density: recipe.density,
         captured_under_gravity: recipe.captured_under_gravity,
+        fine: Arc::default(),
         layer: SoftLayer {
             mesh: mesh.clone(),
             tissue_fraction: layer.tissue_fraction.clone(),
@@ -241,6 +244,20 @@ fn bake_phases(
     retain(&mut handle_report.per_bone, &loads.anything);
     let mut depth_per_bone = depth_per_bone(body, &softness.depth);
     retain(&mut depth_per_bone, &loads.anything);
+
+    clock.start(6);
+    let coarse = Coarse {
+        constraints: &handles.constraints,
+        tets: &cubature.tets,
+    };
+    let fine = (recipe.fine_handles.as_ref())
+        .map(|asked| bake_fine(body, &avatar, &softness, recipe, asked, coarse))
+        .transpose()?;
+    let fine_report = fine.map(|(fine, report)| {
+        avatar.fine = Arc::new(fine);
+        report
+    });
+    let seconds = clock.finish();
     avatar.validate()?;
     mesh_report.quality = quality;
     let (low, high) = body.skin.bounds();
@@ -265,6 +282,7 @@ fn bake_phases(
             handles_per_point: row_lengths(&avatar.cubature.basis),
         },
         cubature: cubature.report,
+        fine: fine_report,
         material,
         material_chosen: recipe.material.is_none(),
         softness: soft.reports(),
@@ -310,7 +328,7 @@ fn check_nodes(mesh: &TetMesh) -> Result<()> {
 }
 
 /// Mean length of the rows that hold anything, and the longest.
-fn row_lengths<T>(rows: &Rows<T>) -> (f64, usize) {
+pub(crate) fn row_lengths<T>(rows: &Rows<T>) -> (f64, usize) {
     let filled = rows.iter().filter(|r| !r.is_empty()).count();
     (
         rows.entries().len() as f64 / filled.max(1) as f64,

@@ -7,7 +7,7 @@ use supple::model::Avatar;
 use supple::{Error, Result};
 
 const TAG: [u8; 4] = *b"rept";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// What a baked file holds.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,6 +15,7 @@ mod contact_stiffness;
 mod cubature;
 mod depth;
 mod file;
+mod fine;
 mod full_space;
 mod handles;
 mod interior;
@@ -38,6 +39,7 @@ pub use bones::{BoneMassReport, JointLimitKey, SpringReport, bone_masses, set_li
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};
 pub use depth::ThinPlace;
 pub use file::{Baked, baked_file, from_bytes, read_baked, to_bytes, write_baked};
+pub use fine::{FineExtension, FineRecipe, FineReport};
 pub use full_space::{SparseCholesky, all_tets, full_space, full_space_simulation, without_tissue};
 pub use handles::{
     Density, HandleCandidates, HandleRegion, Handles, Softness, farthest_points,

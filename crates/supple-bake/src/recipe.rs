@@ -1,7 +1,7 @@
 //! What a bake is asked for.
 
 use super::{
-    BasisEnergy, CubatureMethod, HandleRegion, JointLimitKey, Mesher, SoftnessRegion,
+    BasisEnergy, CubatureMethod, FineRecipe, HandleRegion, JointLimitKey, Mesher, SoftnessRegion,
     StiffnessRegion, Truncation,
 };
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,9 @@ pub struct Recipe {
     pub truncation: Truncation,
     /// How the tissue is sampled.
     pub cubature: CubatureRecipe,
+    /// Handles beside these that sleep until something touches; none where it is not there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fine_handles: Option<FineRecipe>,
     /// Ranges of joints, in place of the model's own.
     pub limits: Vec<JointLimitKey>,
     /// Whether spring bones of the file (VRM's hair, skirts, tails) swing.
@@ -89,6 +92,7 @@ impl Default for Recipe {
             basis_energy: BasisEnergy::default(),
             truncation: Truncation::default(),
             cubature: CubatureRecipe::default(),
+            fine_handles: None,
             limits: Vec::new(),
             springs: true,
         }
@@ -127,6 +131,9 @@ impl Recipe {
         for (i, key) in self.limits.iter().enumerate() {
             key.range(&format!("limits[{i}]"))?;
         }
+        self.fine_handles
+            .iter()
+            .try_for_each(FineRecipe::validate)?;
         if self.bones_per_point == 0 {
             return Err(Error::invalid("bones_per_point", "must be at least 1"));
         }
@@ -157,6 +164,8 @@ mod tests {
         let short = "density = 950.0\n[[handles]]\nbones = [\"palm\"]\nspacing = 0.01\n";
         let read: Recipe = toml::from_str(short).unwrap();
         assert_eq!((read.density, read.handles[0].spacing), (950.0, Some(0.01)));
+        let read: Recipe = toml::from_str("[fine_handles]\n").unwrap();
+        assert_eq!(read.fine_handles, Some(FineRecipe::default()));
         let shell = "[mesher.prism_shell]\nthickness = 0.01\nlayers = 2\n";
         let read: Recipe = toml::from_str(shell).unwrap();
         assert!(matches!(read.mesher, Mesher::PrismShell(s) if s.layers == Some(2)));
@@ -184,5 +193,21 @@ mod tests {
         assert!(both.contains("damping_time"));
         assert!(broken(|r| r.truncation.above = 0.01).contains("truncation"));
         assert!(broken(|r| r.bones_per_point = 0).contains("bones_per_point"));
+        let fine = |change: fn(&mut FineRecipe)| {
+            let mut fine = FineRecipe::default();
+            change(&mut fine);
+            fine.validate().unwrap_err().to_string()
+        };
+        assert!(fine(|f| f.spacing = Some(0.0)).contains("fine_handles.spacing"));
+        assert!(fine(|f| f.drop_below = 0.5).contains("fine_handles.drop_below"));
+        assert!(fine(|f| f.points_per_handle = f64::NAN).contains("points_per_handle"));
+        let asked = Recipe {
+            fine_handles: Some(FineRecipe {
+                drop_below: 0.5,
+                ..FineRecipe::default()
+            }),
+            ..Recipe::default()
+        };
+        assert!(asked.validate().is_err());
     }
 }

@@ -4,6 +4,7 @@ use crate::body::Body;
 use crate::bones::{BoneMassReport, SpringReport};
 use crate::cubature::CubatureReport;
 use crate::depth::ThinPlace;
+use crate::fine::FineReport;
 use crate::math::NearestPoint;
 use crate::mesh::MeshReport;
 use crate::softness::RegionReport;
@@ -42,6 +43,8 @@ pub struct BakeReport {
     pub basis: BasisReport,
     /// The cubature's weights.
     pub cubature: CubatureReport,
+    /// The handles that sleep, where there are any.
+    pub fine: Option<FineReport>,
     /// What the tissue is made of.
     pub material: Material,
     /// Whether the bake chose the material.

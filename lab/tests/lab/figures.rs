@@ -56,5 +56,6 @@ figures![
     bone_press,
     compression,
     elastic_extension,
+    press_anywhere,
     sway,
 ];

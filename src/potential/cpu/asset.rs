@@ -1,14 +1,14 @@
 //! What all instances share and no step changes.
 
+use super::cubature::Cubature;
 use super::normals::vertex_triangles;
 use super::points::Points;
 use super::pose_columns::PoseColumns;
 use super::{Basis, Incidence};
 use crate::Result;
-use crate::material::MaterialPoint;
 use crate::math::Rows;
-use crate::model::{Avatar, Space};
-use crate::potential::{BlockPattern, TissueFactors};
+use crate::model::{Avatar, BasisEntry, Space};
+use crate::potential::BlockPattern;
 use std::sync::Arc;
 
 /// The avatar with the tables that gathers need.
@@ -16,8 +16,9 @@ pub(super) struct Asset<B> {
     pub avatar: Arc<Avatar>,
     pub space: Space,
     pub pattern: BlockPattern,
-    pub cubature: Points<B>,
-    pub cubature_incidence: Incidence,
+    pub cubature: Cubature<B>,
+    /// The finer points, by their coarse handles; none without slots for fine handles.
+    pub children: Option<Cubature<BasisEntry>>,
     pub cubature_columns: PoseColumns,
     pub skin: Points<B>,
     pub skin_incidence: Incidence,
@@ -35,31 +36,47 @@ impl<B: Basis> Asset<B> {
         let skin = Points::new("skin", space, &avatar.skin.skinning, skin)?;
         let body_frames = avatar.body_frames();
         let skin_blocks = skin.blocks(space);
-        let pattern = BlockPattern::from_blocks(
-            space,
-            &avatar.carried(),
-            &[&cubature.blocks(space), &skin_blocks],
-        )
-        .with_bodies(&body_frames, &skin_blocks);
+        let cubature_blocks = cubature.blocks(space);
+        let fine = &avatar.fine;
+        let children = (fine.slots > 0)
+            .then(|| {
+                let (skinning, basis) = (&fine.points.skinning, &fine.points.basis);
+                Points::new("fine.points", space, skinning, basis)
+            })
+            .transpose()?;
+        let child_blocks = children.as_ref().map(|points| points.blocks(space));
+        let mut sets = vec![&cubature_blocks, &skin_blocks];
+        sets.extend(&child_blocks);
+        let first_slot = space.handle_block(avatar.coarse_handles());
+        let pattern = BlockPattern::from_blocks(space, &avatar.carried(), &sets)
+            .with_bodies(&body_frames, &skin_blocks)
+            .with_full_rows(first_slot);
+        let measure = avatar.cubature.measure.clone();
+        let of_children = fine.points.measure.clone();
         Ok(Self {
-            cubature_incidence: cubature.incidence(&pattern),
             skin_incidence: skin.incidence(&pattern),
             cubature_columns: PoseColumns::new(&avatar.cubature.pose_blend, cubature.len()),
+            children: children.map(|points| Cubature::new(points, of_children, &pattern)),
+            cubature: Cubature::new(cubature, measure, &pattern),
             skin_columns: PoseColumns::new(&avatar.skin.pose_blend, skin.len()),
             lever_stride: 2 * skin.skinning.longest() + skin.basis.longest() + 2,
             vertex_triangles: vertex_triangles(skin.len(), &avatar.triangles),
             avatar,
             space,
             pattern,
-            cubature,
             skin,
         })
     }
 
-    /// The tissue at cubature point `i` as `factors` change it.
-    pub fn tissue_at(&self, i: usize, factors: &TissueFactors) -> MaterialPoint<'_> {
-        let mut tissue = self.avatar.tissue_at(i);
-        tissue.local = factors.on(tissue.local);
-        tissue
+    /// Cubature points that an instance may have at a time.
+    pub fn most_points(&self) -> usize {
+        let fine = &self.avatar.fine;
+        let mut of_handle: Vec<usize> = (fine.cells.iter())
+            .map(|cells| cells.iter().map(|&c| fine.children(c as usize).len()).sum())
+            .collect();
+        of_handle.sort_unstable_by(|a, b| b.cmp(a));
+        let children: usize = of_handle.iter().take(fine.slots).sum();
+        // Those of handles that fall asleep fade while others wake.
+        self.cubature.len() + (2 * children).min(if fine.slots > 0 { fine.points.len() } else { 0 })
     }
 }

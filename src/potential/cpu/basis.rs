@@ -17,6 +17,15 @@ pub trait Basis: Copy + Send + Sync {
     /// ∂N/∂X_l for l = x, y, z, 1/m: `gradient()[l] φ` is column l of the handle's part of F.
     fn gradient(&self) -> [DMat3; 3];
 
+    /// The same, as a point holds it that both kinds move.
+    fn mixed(&self) -> Mixed {
+        Mixed::Block(GeneralBasis {
+            handle: self.handle() as u32,
+            value: self.value(),
+            gradient: self.gradient(),
+        })
+    }
+
     /// N φ.
     fn displacement(&self, phi: DVec3) -> DVec3 {
         self.value() * phi
@@ -79,6 +88,10 @@ fn block(c: &Mat9, l: usize, m: usize) -> DMat3 {
 impl Basis for BasisEntry {
     fn handle(&self) -> usize {
         self.handle as usize
+    }
+
+    fn mixed(&self) -> Mixed {
+        Mixed::Scalar(*self)
     }
 
     fn value(&self) -> DMat3 {
@@ -185,5 +198,88 @@ impl From<&BasisEntry> for GeneralBasis {
             value: entry.value(),
             gradient: Basis::gradient(entry),
         }
+    }
+}
+
+/// A number or a block: coarse handles beside fine ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mixed {
+    /// N = U I.
+    Scalar(BasisEntry),
+    /// All of N.
+    Block(GeneralBasis),
+}
+
+/// Calls a method of whichever it is.
+macro_rules! either {
+    ($self:ident, $one:ident => $call:expr) => {
+        match $self {
+            Mixed::Scalar($one) => $call,
+            Mixed::Block($one) => $call,
+        }
+    };
+}
+
+impl Basis for Mixed {
+    #[inline]
+    fn handle(&self) -> usize {
+        either!(self, n => n.handle())
+    }
+
+    fn value(&self) -> DMat3 {
+        either!(self, n => n.value())
+    }
+
+    fn gradient(&self) -> [DMat3; 3] {
+        either!(self, n => Basis::gradient(n))
+    }
+
+    fn mixed(&self) -> Mixed {
+        *self
+    }
+
+    #[inline]
+    fn displacement(&self, phi: DVec3) -> DVec3 {
+        either!(self, n => n.displacement(phi))
+    }
+
+    #[inline]
+    fn pull_back(&self, force: DVec3) -> DVec3 {
+        either!(self, n => n.pull_back(force))
+    }
+
+    #[inline]
+    fn after(&self, m: DMat3) -> DMat3 {
+        either!(self, n => n.after(m))
+    }
+
+    #[inline]
+    fn deformation(&self, phi: DVec3) -> DMat3 {
+        either!(self, n => n.deformation(phi))
+    }
+
+    #[inline]
+    fn stress_force(&self, stress: DMat3) -> DVec3 {
+        either!(self, n => n.stress_force(stress))
+    }
+
+    #[inline]
+    fn stiffness(&self, c: &Mat9) -> [DMat3; 3] {
+        either!(self, n => n.stiffness(c))
+    }
+
+    #[inline]
+    fn contract(&self, stiffness: &[DMat3; 3]) -> DMat3 {
+        either!(self, n => n.contract(stiffness))
+    }
+
+    #[inline]
+    fn before(&self, m: DMat3) -> DMat3 {
+        either!(self, n => n.before(m))
+    }
+
+    #[inline]
+    fn block(&self, metric: DMat3, stiffness: &[DMat3; 3]) -> [f64; 9] {
+        either!(self, n => n.block(metric, stiffness))
     }
 }

@@ -3,8 +3,10 @@
 use super::asset::Asset;
 use super::compact::lag;
 use super::contact::{Candidate, contact, contact_point, may_touch};
+use super::cubature::Cubature;
 use super::displacement::{FrameMotion, displacement, unposed_displacement};
 use super::elasticity::{Damping, displacement_gradient};
+use super::fine_skin::FineSkin;
 use super::friction::{Lagged, Slip, carried};
 use super::point_start::PointStarts;
 use super::pose_blend::add_offsets;
@@ -59,6 +61,8 @@ pub(super) struct Step {
     pub starts: PointStarts,
     /// x̄ of the skin, m.
     pub skin_rest: Vec<DVec3>,
+    /// What fine handles that are awake do to it.
+    pub fine_skin: FineSkin,
     /// Σ ½ k a δ² at qⁿ, J.
     pub contact_energy: f64,
 }
@@ -82,15 +86,16 @@ impl Step {
             handle_drift: Vec::with_capacity(asset.space.handles),
             starts: PointStarts::new(asset),
             skin_rest: vec![DVec3::ZERO; asset.skin.len()],
+            fine_skin: FineSkin::default(),
             contact_energy: 0.0,
         }
     }
 
     /// x̄ from θⁿ, ŷ from the states before, the lagged tangent, and the contact energy at qⁿ. The rest are
     /// buffers of the evaluation.
-    pub fn begin<B: Basis>(
+    pub fn begin<B: Basis, C: Basis>(
         &mut self,
-        asset: &Asset<B>,
+        (asset, cubature): (&Asset<B>, &Cubature<C>),
         start: &StepStart<'_>,
         motion: &mut Motion,
         feature: &mut Vec<f64>,
@@ -132,9 +137,9 @@ impl Step {
         let (feature, motion) = (&*feature, &*motion);
         let pose = (&feature[..], start.pose_offsets);
         let mut starts = std::mem::take(&mut self.starts);
-        let tissue = |i: usize| asset.tissue_at(i, &factors);
+        let tissue = |i: usize| cubature.tissue_at(asset, i, &factors);
         par_join(
-            || starts.begin(asset, pose, start, motion, tissue),
+            || starts.begin((asset, cubature), pose, start, motion, tissue),
             || self.begin_skin(asset, pose, motion, touching, posed_skin),
         );
         self.starts = starts;
@@ -211,8 +216,13 @@ impl Step {
     }
 
     /// The tissue at cubature point `i`, with this step's factors.
-    pub fn tissue_at<'a, B: Basis>(&self, asset: &'a Asset<B>, i: usize) -> MaterialPoint<'a> {
-        asset.tissue_at(i, &self.factors)
+    pub fn tissue_at<'a, B: Basis, C: Basis>(
+        &self,
+        asset: &'a Asset<B>,
+        cubature: &Cubature<C>,
+        i: usize,
+    ) -> MaterialPoint<'a> {
+        cubature.tissue_at(asset, i, &self.factors)
     }
 
     /// The damping of point `i`, of its `tissue`, whose F has moved by `change` since Fⁿ.
@@ -301,7 +311,7 @@ impl Step {
             &asset.avatar.skeleton.joints,
             &motion.motions,
             self.skin_unposed(asset, v, base),
-            unposed_displacement(asset.skin.basis.row(v), &motion.handle_changes),
+            self.skin_displacement(asset, v, &motion.handle_changes),
         );
         match lagged.body {
             None => moved,
@@ -324,7 +334,16 @@ impl Step {
 
     /// T of skin vertex `v`, m.
     pub fn skin_unposed<B: Basis>(&self, asset: &Asset<B>, v: usize, handles: &[DVec3]) -> DVec3 {
-        self.skin_rest[v] + unposed_displacement(asset.skin.basis.row(v), handles)
+        self.skin_rest[v] + self.skin_displacement(asset, v, handles)
+    }
+
+    /// Σ N φ of skin vertex `v`, m.
+    fn skin_displacement<B: Basis>(&self, asset: &Asset<B>, v: usize, handles: &[DVec3]) -> DVec3 {
+        let coarse = unposed_displacement(asset.skin.basis.row(v), handles);
+        match self.fine_skin.row(v) {
+            [] => coarse,
+            fine => coarse + unposed_displacement(fine, handles),
+        }
     }
 
     /// k a of skin vertex `v` and collider `k`, N/m.

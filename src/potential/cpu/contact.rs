@@ -70,7 +70,7 @@ pub fn contact_point(
     displacement::position(skinning, joints, frames, unposed)
 }
 
-/// ℓ of the vertex's own blocks, in local order: c_j: w_j e, ω_j: a_j × e, φ_h: N_hᵀ Bᵀ e. `unposed` is T.
+/// ℓ of the vertex's own blocks, in local order: c_j: w_j e, ω_j: a_j × e, φ_h: N_hᵀ Bᵀ e. `unposed` is T. Gives Bᵀ e.
 pub fn skin_levers<B: Basis>(
     (skinning, basis): (&[SkinWeight], &[B]),
     joints: &[DVec3],
@@ -78,7 +78,7 @@ pub fn skin_levers<B: Basis>(
     unposed: DVec3,
     direction: DVec3,
     out: &mut [DVec3],
-) {
+) -> DVec3 {
     let (of_frames, of_handles) = out.split_at_mut(2 * skinning.len());
     let mut pulled = DVec3::ZERO;
     for (w, out) in skinning.iter().zip(of_frames.chunks_exact_mut(2)) {
@@ -92,6 +92,7 @@ pub fn skin_levers<B: Basis>(
     for (n, out) in basis.iter().zip(of_handles) {
         *out = n.pull_back(pulled);
     }
+    pulled
 }
 
 /// ℓ of the body's blocks: z moves by −δc − δω × r with r = x − c, so c: −e, ω: −r × e.

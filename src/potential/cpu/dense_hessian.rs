@@ -1,16 +1,18 @@
 //! The Hessian as a dense matrix, made without the gathers: for tests and diagnostics.
 
+use super::asset::Asset;
 use super::compact::compact;
 use super::contact::{ContactRow, body_levers};
+use super::cubature::Cubature;
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
 use super::gradient::point_force;
-use super::{Basis, CpuPotential, Motion, friction};
+use super::{Basis, CpuPotential, Mixed, Motion, friction};
 use crate::Result;
 use crate::math::{Mat9, skew};
 use crate::model::{Frame, SkinWeight, State};
 use crate::potential::HessianForm;
-use crate::potential::cpu::begin_step::Touching;
+use crate::potential::cpu::begin_step::{Step, Touching};
 use glam::{DMat3, DVec3};
 
 impl<B: Basis> CpuPotential<B> {
@@ -33,44 +35,10 @@ impl<B: Basis> CpuPotential<B> {
         motion.set(&step.current, state, step.origin);
         let mut dense = Dense::new(asset.space.dofs());
 
-        for (i, start) in step.starts.points.iter().enumerate() {
-            let weight = avatar.cubature.measure[i];
-            let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
-            let change = unposed_displacement(basis, &motion.handle_changes);
-            let joints = &avatar.skeleton.joints;
-            let d = displacement(skinning, joints, &motion.motions, start.unposed, change);
-            let (mass, h) = (avatar.density * weight, step.inertial_step);
-            let body = Body {
-                blocks: asset.cubature_incidence.blocks(i),
-                skinning,
-                basis,
-                joints,
-                frames: &motion.frames,
-                unposed: start.unposed + change,
-                body: None,
-            };
-            let inertia = DMat3::from_diagonal(DVec3::splat(mass / (h * h)));
-            body.add_gauss_newton(inertia, &mut dense);
-            if form == HessianForm::Exact {
-                let force = point_force(mass, h, d, start.predicted, step.tissue_gravity);
-                body.add_geometric(force, &mut dense);
-            }
-
-            let f_change = displacement_gradient(basis, &motion.handle_changes);
-            let f = start.deformation_gradient + f_change;
-            let tissue = step.tissue_at(asset, i);
-            let mut tangent = match form {
-                HessianForm::Exact => tissue.tangent(f),
-                HessianForm::Solver => tissue.projected_tangent(f),
-            };
-            if let Some(damping) = step.damping(basis, tissue, i, f_change) {
-                for (row, lagged) in tangent.iter_mut().zip(damping.tangent) {
-                    for (entry, lagged) in row.iter_mut().zip(lagged) {
-                        *entry += damping.rate * lagged;
-                    }
-                }
-            }
-            body.add_elastic(weight, &tangent, &mut dense);
+        let woken = &self.instances[instance].woken;
+        match woken.is_none() {
+            true => step.add_points(asset, &asset.cubature, &motion, form, &mut dense),
+            false => step.add_points(asset, &woken.cubature, &motion, form, &mut dense),
         }
 
         let (mut touching, mut rows) = (Touching::default(), Vec::new());
@@ -83,12 +51,27 @@ impl<B: Basis> CpuPotential<B> {
             let slip = step.slip(k, step.start_slip(k) + change, &motion);
             rows.extend(friction::rows(&step.lagged[k], &slip, step.smoothing));
         }
+        // Blocks and handles of each row's vertex, those that are awake behind the others.
+        let first = asset.space.handle_block(0) as u32;
+        let of_vertex = |v: usize| -> (Vec<u32>, Vec<Mixed>) {
+            let fine = step.fine_skin.row(v);
+            let blocks = asset.skin_incidence.blocks(v).iter().copied();
+            let basis = asset.skin.basis.row(v).iter().map(Basis::mixed);
+            (
+                blocks
+                    .chain(fine.iter().map(|n| first + n.handle))
+                    .collect(),
+                basis.chain(fine.iter().map(Basis::mixed)).collect(),
+            )
+        };
+        let vertices: Vec<_> = (0..asset.skin.len()).map(of_vertex).collect();
         let side = |row: &ContactRow| {
             let v = row.vertex as usize;
+            let (blocks, basis) = &vertices[v];
             Body {
-                blocks: asset.skin_incidence.blocks(v),
+                blocks,
                 skinning: asset.skin.skinning.row(v),
-                basis: asset.skin.basis.row(v),
+                basis,
                 joints: &avatar.skeleton.joints,
                 frames: &motion.frames,
                 unposed: step.skin_unposed(asset, v, &motion.handles),
@@ -118,6 +101,60 @@ impl<B: Basis> CpuPotential<B> {
             }
         }
         Ok(dense.rows)
+    }
+}
+
+impl Step {
+    /// Adds what cubature points add.
+    fn add_points<B: Basis, C: Basis>(
+        &self,
+        asset: &Asset<B>,
+        cubature: &Cubature<C>,
+        motion: &Motion,
+        form: HessianForm,
+        dense: &mut Dense,
+    ) {
+        let avatar = &*asset.avatar;
+        for (i, start) in self.starts.points[..cubature.len()].iter().enumerate() {
+            let weight = cubature.measure[i];
+            let points = &cubature.points;
+            let (skinning, basis) = (points.skinning.row(i), points.basis.row(i));
+            let change = unposed_displacement(basis, &motion.handle_changes);
+            let joints = &avatar.skeleton.joints;
+            let d = displacement(skinning, joints, &motion.motions, start.unposed, change);
+            let (mass, h) = (avatar.density * weight, self.inertial_step);
+            let body = Body {
+                blocks: cubature.incidence.blocks(i),
+                skinning,
+                basis,
+                joints,
+                frames: &motion.frames,
+                unposed: start.unposed + change,
+                body: None,
+            };
+            let inertia = DMat3::from_diagonal(DVec3::splat(mass / (h * h)));
+            body.add_gauss_newton(inertia, dense);
+            if form == HessianForm::Exact {
+                let force = point_force(mass, h, d, start.predicted, self.tissue_gravity);
+                body.add_geometric(force, dense);
+            }
+
+            let f_change = displacement_gradient(basis, &motion.handle_changes);
+            let f = start.deformation_gradient + f_change;
+            let tissue = self.tissue_at(asset, cubature, i);
+            let mut tangent = match form {
+                HessianForm::Exact => tissue.tangent(f),
+                HessianForm::Solver => tissue.projected_tangent(f),
+            };
+            if let Some(damping) = self.damping(basis, tissue, i, f_change) {
+                for (row, lagged) in tangent.iter_mut().zip(damping.tangent) {
+                    for (entry, lagged) in row.iter_mut().zip(lagged) {
+                        *entry += damping.rate * lagged;
+                    }
+                }
+            }
+            body.add_elastic(weight, &tangent, dense);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! E(state) − E(base) for any base: the trials of a line search.
 
 use super::asset::Asset;
+use super::cubature::Cubature;
 use super::displacement::{displacement, unposed_displacement};
 use super::elasticity::displacement_gradient;
 use super::evaluate::Instance;
@@ -31,10 +32,14 @@ impl Instance {
         to_base.set(&step.current, base, step.origin);
         to_state.set(base, state, step.origin);
         let (to_base, to_state) = (&*to_base, &*to_state);
-        par_each(&mut self.energies, 4 * POINT_GRAIN, |i, out| {
-            *out = point_difference(asset, step, to_base, to_state, i);
-        });
-        let mut energies = energy::sum(&self.energies);
+        let out = &mut self.energies;
+        let mut energies = match self.woken.is_none() {
+            true => point_differences(asset, &asset.cubature, step, [to_base, to_state], out),
+            false => {
+                let cubature = &self.woken.cubature;
+                point_differences(asset, cubature, step, [to_base, to_state], out)
+            }
+        };
 
         step.contact(asset, to_base, &mut self.base_touching);
         step.contact(asset, to_state, &mut self.touching);
@@ -67,8 +72,23 @@ impl Instance {
     }
 }
 
-fn point_difference<B: Basis>(
+/// The sum over the points; `out` has room for each.
+fn point_differences<B: Basis, C: Basis>(
     asset: &Asset<B>,
+    cubature: &Cubature<C>,
+    step: &Step,
+    [to_base, to_state]: [&Motion; 2],
+    out: &mut [Energies],
+) -> Energies {
+    let out = &mut out[..cubature.len()];
+    par_each(out, 4 * POINT_GRAIN, |i, out| {
+        *out = point_difference((asset, cubature), step, to_base, to_state, i);
+    });
+    energy::sum(out)
+}
+
+fn point_difference<B: Basis, C: Basis>(
+    (asset, cubature): (&Asset<B>, &Cubature<C>),
     step: &Step,
     to_base: &Motion,
     to_state: &Motion,
@@ -76,8 +96,9 @@ fn point_difference<B: Basis>(
 ) -> Energies {
     let avatar = &*asset.avatar;
     let joints = &avatar.skeleton.joints;
-    let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
-    let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
+    let points = &cubature.points;
+    let (skinning, basis) = (points.skinning.row(i), points.basis.row(i));
+    let (start, weight) = (&step.starts.points[i], cubature.measure[i]);
     let (mass, h, gravity) = (
         avatar.density * weight,
         step.inertial_step,
@@ -93,7 +114,7 @@ fn point_difference<B: Basis>(
     let since_start = displacement_gradient(basis, &to_base.handle_changes);
     let change = displacement_gradient(basis, &to_state.handle_changes);
     let f_base = start.deformation_gradient + since_start;
-    let tissue = step.tissue_at(asset, i);
+    let tissue = step.tissue_at(asset, cubature, i);
     Energies {
         inertia: energy::inertia(mass, h, d_change, d_base - start.predicted),
         gravity: energy::gravity(mass, gravity, d_change),

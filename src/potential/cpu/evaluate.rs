@@ -4,14 +4,16 @@
 use super::asset::Asset;
 use super::compact::compact;
 use super::contact::{ContactRow, body_levers, contact_point, skin_levers};
+use super::cubature::Cubature;
 use super::evaluate_points::{Derivatives, evaluate_points};
 use super::friction::{self, Slip};
 use super::geometric::{Vertex, add_geometric};
 use super::hessian::{
-    ContactRows, ContactTerms, gather_contact_forces, gather_contacts, gather_point_forces,
-    gather_points,
+    ContactRows, ContactTerms, SkinBlocks, gather_contact_forces, gather_contacts,
+    gather_point_forces, gather_points,
 };
 use super::point_hessian::{PointTerms, PointView, is_prescribed};
+use super::woken::Woken;
 use super::{Basis, Motion, energy};
 use crate::math::{Mat9, RowsMut, Stopwatch, Strided, par_each, par_join, par_split};
 use crate::model::State;
@@ -28,6 +30,8 @@ const CONTACT_GRAIN: usize = 16;
 /// One avatar of the batch: its step, and the memory that its evaluations reuse.
 pub(super) struct Instance {
     pub step: Step,
+    /// The points in place of the asset's own while fine handles are awake.
+    pub woken: Woken,
     pub motion: Motion,
     pub base_motion: Motion,
     feature: Vec<f64>,
@@ -50,9 +54,13 @@ pub(super) struct Instance {
 
 impl Instance {
     pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
-        let points = asset.cubature.len();
+        let points = asset.most_points();
+        let bones = asset.cubature.points.skinning.entries().len();
+        let most_bones = asset.avatar.fine.points.skinning.longest();
+        let of_children = (points - asset.cubature.len()) * most_bones;
         Self {
             step: Step::new(asset),
+            woken: Woken::new(asset),
             motion: Motion::default(),
             base_motion: Motion::default(),
             feature: Vec::new(),
@@ -62,7 +70,7 @@ impl Instance {
             energies: vec![Energies::default(); points],
             timings: EvaluationTimings::default(),
             terms: vec![PointTerms::default(); points],
-            arms: vec![DVec3::ZERO; asset.cubature.skinning.entries().len()],
+            arms: vec![DVec3::ZERO; bones + of_children],
             tangents: vec![[[0.0; 9]; 9]; points],
             slips: Vec::new(),
             contacts: Vec::new(),
@@ -76,8 +84,17 @@ impl Instance {
         let watch = Stopwatch::start();
         let (motion, feature) = (&mut self.motion, &mut self.feature);
         let (touching, posed_skin) = (&mut self.touching, &self.posed_skin);
-        self.step
-            .begin(asset, start, motion, feature, touching, posed_skin);
+        let step = &mut self.step;
+        match self.woken.is_none() {
+            true => {
+                let points = (asset, &asset.cubature);
+                step.begin(points, start, motion, feature, touching, posed_skin);
+            }
+            false => {
+                let points = (asset, &self.woken.cubature);
+                step.begin(points, start, motion, feature, touching, posed_skin);
+            }
+        }
         self.timings = EvaluationTimings {
             force: watch.ms(),
             ..EvaluationTimings::default()
@@ -90,8 +107,14 @@ impl Instance {
         out.contacts = self.evaluate_terms(asset, state, Derivatives::All);
         self.timings.force += watch.ms();
         let watch = Stopwatch::start();
-        out.hessian.resize(asset.pattern.len(), [0.0; 9]);
-        self.gather(asset, &mut out.hessian);
+        out.hessian.resize(self.hessian_blocks(asset), [0.0; 9]);
+        let mut gradient = std::mem::take(&mut self.gradient);
+        let (own, hessian) = (&asset.cubature, &mut out.hessian);
+        match self.woken.is_none() {
+            true => self.gather(asset, own, &mut gradient, hessian),
+            false => self.gather(asset, &self.woken.cubature, &mut gradient, hessian),
+        }
+        self.gradient = gradient;
         self.add_geometric(asset, &mut out.geometric);
         self.timings.hessian += watch.ms();
 
@@ -107,10 +130,12 @@ impl Instance {
         let watch = Stopwatch::start();
         out.contacts = self.evaluate_terms(asset, state, Derivatives::OfFrames);
         let mut gradient = std::mem::take(&mut self.gradient);
-        let (contacts, of_frames) = (self.contact_terms(asset), 2 * asset.space.frames);
-        par_each(&mut gradient[..of_frames], ROW_GRAIN, |row, force| {
-            *force = self.force(asset, &contacts, row);
-        });
+        let of_frames = 2 * asset.space.frames;
+        let rows = &mut gradient[..of_frames];
+        match self.woken.is_none() {
+            true => self.frame_forces(asset, &asset.cubature, rows),
+            false => self.frame_forces(asset, &self.woken.cubature, rows),
+        }
         out.frame_gradient.clear();
         let numbers = gradient[..of_frames].iter().flat_map(|g| g.to_array());
         out.frame_gradient.extend(numbers);
@@ -129,16 +154,25 @@ impl Instance {
     ) -> usize {
         let step = &self.step;
         self.motion.set(&step.current, state, step.origin);
-        let motion = &self.motion;
+        let (motion, touching) = (&self.motion, &mut self.touching);
+        let woken = &self.woken;
+        let skinning = match woken.is_none() {
+            true => &asset.cubature.points.skinning,
+            false => &woken.cubature.points.skinning,
+        };
+        let count = skinning.len();
         let points = (
-            &mut self.terms[..],
-            &mut self.energies[..],
-            RowsMut::new(asset.cubature.skinning.offsets(), &mut self.arms),
-            &mut self.tangents[..],
+            &mut self.terms[..count],
+            &mut self.energies[..count],
+            RowsMut::new(skinning.offsets(), &mut self.arms),
+            &mut self.tangents[..count],
         );
         par_join(
-            || step.contact(asset, motion, &mut self.touching),
-            || evaluate_points(asset, step, motion, wanted, points),
+            || step.contact(asset, motion, touching),
+            || match woken.is_none() {
+                true => evaluate_points(asset, &asset.cubature, step, motion, wanted, points),
+                false => evaluate_points(asset, &woken.cubature, step, motion, wanted, points),
+            },
         );
         let count = self.list_contacts(asset);
         self.evaluate_levers(asset);
@@ -160,7 +194,7 @@ impl Instance {
         Energies {
             contact: step.sum_contact_energy(asset, candidates) - step.contact_energy,
             friction: self.friction_energy(),
-            ..energy::sum(&self.energies)
+            ..energy::sum(&self.energies[..self.points(asset)])
         }
     }
 
@@ -213,7 +247,7 @@ impl Instance {
 
     fn evaluate_levers<B: Basis>(&mut self, asset: &Asset<B>) {
         let (step, motion, contacts) = (&self.step, &self.motion, &self.contacts);
-        let stride = asset.lever_stride;
+        let stride = asset.lever_stride + step.fine_skin.longest();
         self.levers.resize(contacts.len() * stride, DVec3::ZERO);
         let (frames, joints) = (&motion.frames, &asset.avatar.skeleton.joints);
         let parts = Strided::new(stride, &mut self.levers);
@@ -222,17 +256,22 @@ impl Instance {
             let (v, direction) = (contact.vertex as usize, contact.direction);
             let skinning = asset.skin.skinning.row(v);
             let side = (skinning, asset.skin.basis.row(v));
+            let fine = step.fine_skin.row(v);
             let unposed = step.skin_unposed(asset, v, &motion.handles);
-            let (of_skin, of_body) = out.split_at_mut(2 * side.0.len() + side.1.len());
-            skin_levers(side, joints, frames, unposed, direction, of_skin);
+            let (of_skin, out) = out.split_at_mut(2 * side.0.len() + side.1.len());
+            let (of_fine, of_body) = out.split_at_mut(fine.len());
+            let pulled = skin_levers(side, joints, frames, unposed, direction, of_skin);
+            for (n, out) in fine.iter().zip(of_fine) {
+                *out = n.pull_back(pulled);
+            }
             if let Some(body) = contact.body {
                 let point = contact_point(skinning, joints, frames, unposed);
                 let levers = body_levers(&frames[body as usize], point, direction);
                 of_body[..2].copy_from_slice(&levers);
             }
         });
-        self.contact_rows
-            .fill(contacts, &asset.skin_incidence, asset.space.blocks());
+        let blocks = skin_blocks(asset, step);
+        (self.contact_rows).fill(contacts, &blocks, asset.space.blocks());
     }
 
     /// The geometric terms of the contacts' rows, where the step wants them.
@@ -241,7 +280,7 @@ impl Instance {
         if !self.step.geometric {
             return;
         }
-        out.resize(asset.pattern.len(), [0.0; 9]);
+        out.resize(self.hessian_blocks(asset), [0.0; 9]);
         let (joints, frames) = (&asset.avatar.skeleton.joints, &self.motion.frames);
         let into = (&asset.pattern, &self.step.prescribed[..]);
         for row in self.contacts.iter().filter(|row| row.force != 0.0) {
@@ -249,6 +288,7 @@ impl Instance {
             let vertex = Vertex {
                 skinning: asset.skin.skinning.row(v),
                 basis: asset.skin.basis.row(v),
+                fine: self.step.fine_skin.row(v),
                 unposed: self.step.skin_unposed(asset, v, &self.motion.handles),
             };
             add_geometric(into, row, &vertex, joints, frames, out);
@@ -256,39 +296,82 @@ impl Instance {
     }
 
     /// Gradient and packed Hessian, block row by block row.
-    fn gather<B: Basis>(&mut self, asset: &Asset<B>, hessian: &mut [[f64; 9]]) {
-        let mut gradient = std::mem::take(&mut self.gradient);
+    fn gather<B: Basis, C: Basis>(
+        &self,
+        asset: &Asset<B>,
+        cubature: &Cubature<C>,
+        gradient: &mut [DVec3],
+        hessian: &mut [[f64; 9]],
+    ) {
         let (contacts, prescribed) = (self.contact_terms(asset), &self.step.prescribed[..]);
+        let rows = self.rows(asset);
+        let (awake, asleep) = gradient.split_at_mut(rows);
+        asleep.fill(DVec3::ZERO);
         let parts = (
-            &mut gradient[..],
+            awake,
             RowsMut::new(asset.pattern.columns().offsets(), hessian),
         );
-        par_split(asset.space.blocks(), ROW_GRAIN, parts, |row, parts| {
+        par_split(rows, ROW_GRAIN, parts, |row, parts| {
             let (force, out) = parts;
             out.fill([0.0; 9]);
             if is_prescribed(prescribed, row) {
-                *force = self.force(asset, &contacts, row);
+                *force = self.force(cubature, &contacts, row);
                 return;
             }
             *force = DVec3::ZERO;
-            let point = |i| self.point_view(asset, i);
-            gather_points(&asset.cubature_incidence, row, point, force, out);
+            let point = |i| self.point_view(cubature, i);
+            gather_points(&cubature.incidence, row, point, force, out);
             gather_contacts(&contacts, row, force, out);
         });
-        self.gradient = gradient;
+    }
+
+    /// The gradient by frames.
+    fn frame_forces<B: Basis, C: Basis>(
+        &self,
+        asset: &Asset<B>,
+        cubature: &Cubature<C>,
+        out: &mut [DVec3],
+    ) {
+        let contacts = self.contact_terms(asset);
+        par_each(out, ROW_GRAIN, |row, force| {
+            *force = self.force(cubature, &contacts, row);
+        });
+    }
+
+    /// Cubature points.
+    fn points<B: Basis>(&self, asset: &Asset<B>) -> usize {
+        match self.woken.is_none() {
+            true => asset.cubature.len(),
+            false => self.woken.cubature.len(),
+        }
+    }
+
+    /// Block rows but for those of slots that are not taken, which come last.
+    fn rows<B: Basis>(&self, asset: &Asset<B>) -> usize {
+        asset.space.blocks() - asset.avatar.fine.slots + self.woken.handles()
+    }
+
+    /// Blocks of these rows.
+    fn hessian_blocks<B: Basis>(&self, asset: &Asset<B>) -> usize {
+        asset.pattern.columns().offsets()[self.rows(asset)] as usize
     }
 
     /// The gradient of block row `row`.
-    fn force<B: Basis>(&self, asset: &Asset<B>, contacts: &ContactTerms<'_>, row: usize) -> DVec3 {
+    fn force<C: Basis>(
+        &self,
+        cubature: &Cubature<C>,
+        contacts: &ContactTerms<'_>,
+        row: usize,
+    ) -> DVec3 {
         let mut force = DVec3::ZERO;
-        let point = |i| self.point_view(asset, i);
-        gather_point_forces(&asset.cubature_incidence, row, point, &mut force);
+        let point = |i| self.point_view(cubature, i);
+        gather_point_forces(&cubature.incidence, row, point, &mut force);
         gather_contact_forces(contacts, row, &mut force);
         force
     }
 
-    fn point_view<'a, B: Basis>(&'a self, asset: &'a Asset<B>, i: usize) -> PointView<'a, B> {
-        let points = &asset.cubature;
+    fn point_view<'a, C: Basis>(&'a self, cubature: &'a Cubature<C>, i: usize) -> PointView<'a, C> {
+        let points = &cubature.points;
         PointView {
             terms: &self.terms[i],
             skinning: points.skinning.row(i),
@@ -303,10 +386,22 @@ impl Instance {
         ContactTerms {
             rows: &self.contact_rows,
             contacts: &self.contacts,
-            levers: (asset.lever_stride, &self.levers),
-            skin: &asset.skin_incidence,
+            levers: (
+                asset.lever_stride + self.step.fine_skin.longest(),
+                &self.levers,
+            ),
+            skin: skin_blocks(asset, &self.step),
             pattern: &asset.pattern,
             prescribed: &self.step.prescribed,
         }
+    }
+}
+
+/// The blocks that move skin vertices in a step.
+fn skin_blocks<'a, B: Basis>(asset: &'a Asset<B>, step: &'a Step) -> SkinBlocks<'a> {
+    SkinBlocks {
+        coarse: &asset.skin_incidence,
+        fine: &step.fine_skin,
+        first_handle: asset.space.handle_block(0) as u32,
     }
 }

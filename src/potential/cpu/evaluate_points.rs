@@ -1,6 +1,7 @@
 //! The cubature points of an evaluation, each on its own.
 
 use super::asset::Asset;
+use super::cubature::Cubature;
 use super::displacement::{arms, blended_rotation, displacement, unposed_displacement};
 use super::gradient::point_force;
 use super::point_hessian::PointTerms;
@@ -28,23 +29,24 @@ pub(super) enum Derivatives {
 }
 
 /// Stages displacement, elasticity and energy at every cubature point; `out` has a part for each.
-pub(super) fn evaluate_points<B: Basis>(
+pub(super) fn evaluate_points<B: Basis, C: Basis>(
     asset: &Asset<B>,
+    cubature: &Cubature<C>,
     step: &Step,
     motion: &Motion,
     wanted: Derivatives,
     out: PointParts<'_>,
 ) {
-    par_split(asset.cubature.len(), POINT_GRAIN, out, |i, parts| {
+    par_split(cubature.len(), POINT_GRAIN, out, |i, parts| {
         let (terms, energies, arms, tangent) = parts;
         let tangent = (wanted == Derivatives::All).then_some(tangent);
-        (*terms, *energies) = evaluate_point(asset, step, motion, i, arms, tangent);
+        (*terms, *energies) = evaluate_point((asset, cubature), step, motion, i, arms, tangent);
     });
 }
 
 /// The same at point `i`, with qⁿ as the base; without a `tangent`, without a stress.
-fn evaluate_point<B: Basis>(
-    asset: &Asset<B>,
+fn evaluate_point<B: Basis, C: Basis>(
+    (asset, cubature): (&Asset<B>, &Cubature<C>),
     step: &Step,
     motion: &Motion,
     i: usize,
@@ -52,9 +54,10 @@ fn evaluate_point<B: Basis>(
     tangent: Option<&mut Mat9>,
 ) -> (PointTerms, Energies) {
     let avatar = &*asset.avatar;
-    let (tissue, joints) = (step.tissue_at(asset, i), &avatar.skeleton.joints);
-    let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
-    let (start, weight) = (&step.starts.points[i], avatar.cubature.measure[i]);
+    let tissue = step.tissue_at(asset, cubature, i);
+    let (joints, points) = (&avatar.skeleton.joints, &cubature.points);
+    let (skinning, basis) = (points.skinning.row(i), points.basis.row(i));
+    let (start, weight) = (&step.starts.points[i], cubature.measure[i]);
     let (mass, h, gravity) = (
         avatar.density * weight,
         step.inertial_step,

@@ -2,7 +2,7 @@
 
 use super::{Basis, CpuPotential};
 use crate::Result;
-use crate::model::{BasisEntry, Space, State};
+use crate::model::{Awake, BasisEntry, Space, State};
 use crate::potential::{
     BlockPattern, Difference, Evaluation, EvaluationTimings, HessianForm, Potential, PreviousSkin,
     StepEnd, StepStart, Trial,
@@ -36,6 +36,10 @@ impl<B: Basis> Potential for Exact<B> {
 
     fn timings(&self) -> EvaluationTimings {
         self.0.timings()
+    }
+
+    fn wake(&mut self, instance: usize, awake: &Awake) -> Result<()> {
+        self.0.wake(instance, awake)
     }
 
     async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {

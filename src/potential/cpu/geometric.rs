@@ -12,7 +12,7 @@ use super::contact::ContactRow;
 use super::displacement::{blended_rotation, position};
 use super::point_hessian::is_prescribed;
 use crate::math::skew;
-use crate::model::{Frame, SkinWeight};
+use crate::model::{BasisEntry, Frame, SkinWeight};
 use crate::potential::BlockPattern;
 use glam::{DMat3, DVec3};
 
@@ -22,6 +22,8 @@ pub struct Vertex<'a, B> {
     pub skinning: &'a [SkinWeight],
     /// Its handles.
     pub basis: &'a [B],
+    /// Those that are awake.
+    pub fine: &'a [BasisEntry],
     /// T, m.
     pub unposed: DVec3,
 }
@@ -62,6 +64,10 @@ pub fn add_geometric<B: Basis>(
             let mixed = n.after(skew(f) * rotation * -w.weight);
             add(omega, space.handle_block(n.handle()), mixed);
         }
+        for n in vertex.fine {
+            let mixed = n.after(skew(f) * rotation * -w.weight);
+            add(omega, space.handle_block(Basis::handle(n)), mixed);
+        }
     }
     let Some(body) = row.body else { return };
     let c = space.frame_block(body as usize);
@@ -80,6 +86,9 @@ pub fn add_geometric<B: Basis>(
     let pulled = skew(f) * blended_rotation(vertex.skinning, frames);
     for n in vertex.basis {
         add(omega, space.handle_block(n.handle()), n.after(pulled));
+    }
+    for n in vertex.fine {
+        add(omega, space.handle_block(Basis::handle(n)), n.after(pulled));
     }
 }
 

@@ -4,6 +4,7 @@
 //! be 12 kB a point.
 
 use super::contact::ContactRow;
+use super::fine_skin::FineSkin;
 use super::gradient::gradient;
 use super::point_hessian::{PointView, hessian_row, is_prescribed};
 use super::{Basis, Incidence};
@@ -73,7 +74,7 @@ pub struct ContactRows {
 
 impl ContactRows {
     /// Sorts (contact, local block) by block row, contacts rising within a row.
-    pub fn fill(&mut self, contacts: &[ContactRow], skin: &Incidence, rows: usize) {
+    pub fn fill(&mut self, contacts: &[ContactRow], skin: &SkinBlocks<'_>, rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 2, 0);
         for_each_block(contacts, skin, |_, _, block| self.starts[block + 2] += 1);
@@ -95,14 +96,38 @@ impl ContactRows {
     }
 }
 
-/// The blocks of each contact: the vertex's own in local order, then the body's c and ω.
-fn for_each_block(contacts: &[ContactRow], skin: &Incidence, mut f: impl FnMut(u32, u32, usize)) {
+/// The blocks of each contact: the vertex's own in local order, slots last, then the body's c and ω.
+fn for_each_block(
+    contacts: &[ContactRow],
+    skin: &SkinBlocks<'_>,
+    mut f: impl FnMut(u32, u32, usize),
+) {
     for (contact, k) in contacts.iter().zip(0..) {
-        let blocks = skin.blocks(contact.vertex as usize);
+        let v = contact.vertex as usize;
+        let blocks = skin.coarse.blocks(v).iter().copied();
         let body = contact.body.into_iter().flat_map(|c| [2 * c, 2 * c + 1]);
-        for (block, local) in blocks.iter().copied().chain(body).zip(0..) {
+        for (block, local) in blocks.chain(skin.slots(v)).chain(body).zip(0..) {
             f(k, local, block as usize);
         }
+    }
+}
+
+/// The blocks that move skin vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct SkinBlocks<'a> {
+    /// Bones and coarse handles.
+    pub coarse: &'a Incidence,
+    /// Handles that are awake.
+    pub fine: &'a FineSkin,
+    /// Block of handle 0.
+    pub first_handle: u32,
+}
+
+impl<'a> SkinBlocks<'a> {
+    /// The slots that move vertex `v`, rising; rows of these are full.
+    fn slots(&self, v: usize) -> impl Iterator<Item = u32> + use<'a> {
+        let first = self.first_handle;
+        self.fine.row(v).iter().map(move |n| first + n.handle)
     }
 }
 
@@ -116,7 +141,7 @@ pub struct ContactTerms<'a> {
     /// How many levers each has, and these: the vertex's ([`super::contact::skin_levers`]), then the body's.
     pub levers: (usize, &'a [DVec3]),
     /// The blocks of the vertices.
-    pub skin: &'a Incidence,
+    pub skin: SkinBlocks<'a>,
     /// Where blocks are stored.
     pub pattern: &'a BlockPattern,
     /// By frame: whose blocks are left out.
@@ -150,17 +175,19 @@ pub fn gather_contacts(
             let block = DMat3::from_cols(scaled * other.x, scaled * other.y, scaled * other.z);
             add(&mut out[target], &block.to_cols_array());
         };
-        let blocks = skin.blocks(vertex);
+        let blocks = skin.coarse.blocks(vertex);
+        let own_blocks = blocks.len() + skin.fine.row(vertex).len();
         if local < blocks.len() {
-            let targets = skin.targets(vertex, local).iter().zip(blocks);
+            let targets = skin.coarse.targets(vertex, local).iter().zip(blocks);
             for ((&target, &column), &other) in targets.zip(levers) {
                 if !left_out(column) {
                     add_column(target as usize, other);
                 }
             }
         } else {
-            // A frame's row has a block in every column.
-            for (&column, &other) in blocks.iter().zip(levers) {
+            // A frame's row has a block in every column, a slot's too.
+            let columns = blocks.iter().copied().chain(skin.slots(vertex));
+            for (column, &other) in columns.zip(levers) {
                 if column as usize <= row && !left_out(column) {
                     add_column(column as usize, other);
                 }
@@ -170,7 +197,7 @@ pub fn gather_contacts(
             continue;
         };
         let columns = terms.pattern.columns().row(row);
-        for (column, &other) in (2 * body..2 * body + 2).zip(&levers[blocks.len()..]) {
+        for (column, &other) in (2 * body..2 * body + 2).zip(&levers[own_blocks..]) {
             if column as usize <= row && !left_out(column) {
                 add_column(columns.partition_point(|&c| c < column), other);
             }

@@ -4,7 +4,7 @@ use crate::math::Rows;
 use crate::potential::BlockPattern;
 
 /// The blocks of a set of points, and where their parts of the Hessian go.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Incidence {
     blocks: Rows<u32>,
     rows: Rows<(u32, u32)>,
@@ -33,6 +33,35 @@ impl Incidence {
             rows: rows.into_iter().collect(),
             blocks,
         }
+    }
+
+    /// Takes all points out; the memory stays.
+    pub(super) fn clear(&mut self) {
+        self.blocks.clear();
+        self.targets.clear();
+        self.rows.clear();
+    }
+
+    /// Adds a point that moves with `blocks`, rising, and whose pairs of them go to `targets`, in the order of
+    /// [`Incidence::targets`].
+    pub(super) fn push(&mut self, blocks: &[u32], targets: &[u32]) {
+        self.blocks.push(blocks.iter().copied());
+        self.targets.push(targets.iter().copied());
+    }
+
+    /// Sorts what was added by its block rows, of which there are `rows`.
+    pub(super) fn finish(&mut self, rows: usize) {
+        let points = (0u32..).zip(self.blocks.iter());
+        let touched = points.flat_map(|(point, blocks)| {
+            let locals = (0u32..).zip(blocks);
+            locals.map(move |(local, &block)| (block as usize, (point, local)))
+        });
+        self.rows.sort(rows, touched);
+    }
+
+    /// Targets of all pairs of blocks of `point`.
+    pub(super) fn all_targets(&self, point: usize) -> &[u32] {
+        self.targets.row(point)
     }
 
     /// Blocks of `point`, in local order.

@@ -10,6 +10,7 @@ mod begin_step;
 pub mod compact;
 pub mod contact;
 pub(crate) mod contact_forces;
+mod cubature;
 mod dense_hessian;
 pub mod displacement;
 pub mod elasticity;
@@ -18,6 +19,7 @@ mod energy_differences;
 mod evaluate;
 mod evaluate_points;
 mod exact;
+mod fine_skin;
 pub mod friction;
 pub mod geometric;
 pub mod gradient;
@@ -37,10 +39,12 @@ mod pose_skin;
 mod posed_skin;
 pub mod select;
 pub mod skin;
+mod woken;
 
 pub use crate::potential::HessianForm;
-pub use basis::{Basis, GeneralBasis};
+pub use basis::{Basis, GeneralBasis, Mixed};
 pub use exact::Exact;
+pub use fine_skin::FineSkin;
 pub use incidence::Incidence;
 pub use mechanics::{Mechanics, mechanics};
 pub use min_det_f::{min_det_f, min_det_f_at_nodes};
@@ -50,7 +54,7 @@ pub use posed_skin::{posed_skin, skin_displacement, unposed_skin};
 
 use crate::Result;
 use crate::math::{Rows, Stopwatch, in_pool, par_each, par_split};
-use crate::model::{Avatar, BasisEntry, Space, State};
+use crate::model::{Avatar, Awake, BasisEntry, Space, State};
 use crate::potential::checks::Checks;
 use crate::potential::{
     BlockPattern, Difference, Evaluation, EvaluationTimings, Potential, PreviousSkin, StepEnd,
@@ -144,6 +148,18 @@ impl<B: Basis> Potential for CpuPotential<B> {
             sum.hessian += instance.timings.hessian;
         }
         sum
+    }
+
+    fn wake(&mut self, instance: usize, awake: &Awake) -> Result<()> {
+        self.checks.instance(instance)?;
+        let (asset, instance) = (&self.asset, &mut self.instances[instance]);
+        if instance.woken.is(awake) {
+            return Ok(());
+        }
+        awake.validate(&asset.avatar)?;
+        instance.step.fine_skin.set(&asset.avatar, awake);
+        instance.woken.set(asset, awake);
+        Ok(())
     }
 
     async fn begin_step(&mut self, starts: &[StepStart<'_>], active: &[bool]) -> Result<()> {
@@ -243,7 +259,8 @@ impl<B: Basis> Potential for CpuPotential<B> {
                 let offsets = offsets.get(i).copied().unwrap_or_default();
                 let previous = previous.get(i).copied().unwrap_or(PreviousSkin::Kept);
                 let skin = &mut instance.posed_skin;
-                skin.pose(asset, &states[i], offsets, previous);
+                let posed = (asset, &instance.step.fine_skin);
+                skin.pose(posed, &states[i], offsets, previous);
             });
         });
         Ok(())

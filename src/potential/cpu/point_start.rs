@@ -1,6 +1,7 @@
 //! What stays constant at a cubature point through a step: T and F at qⁿ, ŷ, and the lagged tangent.
 
 use super::asset::Asset;
+use super::cubature::Cubature;
 use super::displacement::unposed_displacement;
 use super::elasticity::displacement_gradient;
 use super::inertial_target::{PastMotion, inertial_target};
@@ -37,7 +38,7 @@ pub(super) struct PointStarts {
 impl PointStarts {
     /// Memory for steps of `asset`.
     pub fn new<B: Basis>(asset: &Asset<B>) -> Self {
-        let points = asset.cubature.len();
+        let points = asset.most_points();
         let damped = asset.avatar.is_damped();
         Self {
             points: vec![PointStart::default(); points],
@@ -49,9 +50,9 @@ impl PointStarts {
 
     /// The starts of a step from `start` with the pose `feature` of qⁿ, the `offsets` of the skin, and `motion`, which stands
     /// at qⁿ, each point being of its `tissue`.
-    pub fn begin<'t, B: Basis>(
+    pub fn begin<'t, B: Basis, C: Basis>(
         &mut self,
-        asset: &Asset<B>,
+        (asset, cubature): (&Asset<B>, &Cubature<C>),
         (feature, offsets): (&[f64], &[[f32; 3]]),
         start: &StepStart<'_>,
         motion: &Motion,
@@ -61,13 +62,10 @@ impl PointStarts {
         let past = &self.past;
         let (columns, position) = (&asset.cubature_columns, &asset.avatar.cubature.position);
         let extension = &asset.avatar.pose_extension;
-        let parts = (
-            Strided::new(POINT_GRAIN, &mut self.rest),
-            Strided::new(POINT_GRAIN, &mut self.points),
-            Strided::new(POINT_GRAIN, &mut self.damping_tangents),
-        );
-        let chunks = position.len().div_ceil(POINT_GRAIN);
-        par_split(chunks, 1, parts, |chunk, (rest, points, tangents)| {
+        let coarse = position.len();
+        let chunks = coarse.div_ceil(POINT_GRAIN);
+        let parts = Strided::new(POINT_GRAIN, &mut self.rest[..coarse]);
+        par_split(chunks, 1, parts, |chunk, rest| {
             let first = chunk * POINT_GRAIN;
             columns.blend(position, feature, first, rest);
             if !offsets.is_empty() {
@@ -75,8 +73,27 @@ impl PointStarts {
                     *rest += pose_offset(extension.row(i), offsets);
                 }
             }
-            for ((i, point), rest) in (first..).zip(&mut *points).zip(&*rest) {
-                *point = point_start(asset, past, motion, i, *rest);
+        });
+        // A child is shifted as the coarse point of its cell.
+        let fine = &asset.avatar.fine;
+        for (k, &child) in cubature.children.iter().enumerate() {
+            let cell = fine.cell_of_point[child as usize] as usize;
+            let shift = self.rest[cell] - position[cell];
+            self.rest[coarse + k] = fine.points.position[child as usize] + shift;
+        }
+
+        let count = cubature.len();
+        let damped = self.damping_tangents.len().min(count);
+        let parts = (
+            Strided::new(POINT_GRAIN, &mut self.points[..count]),
+            Strided::new(POINT_GRAIN, &mut self.damping_tangents[..damped]),
+        );
+        let rest = &self.rest;
+        let chunks = count.div_ceil(POINT_GRAIN);
+        par_split(chunks, 1, parts, |chunk, (points, tangents)| {
+            let first = chunk * POINT_GRAIN;
+            for (i, point) in (first..).zip(&mut *points) {
+                *point = point_start((asset, cubature), past, motion, i, rest[i]);
             }
             for ((i, tangent), point) in (first..).zip(tangents).zip(&*points) {
                 *tangent = tissue(i).projected_tangent(point.deformation_gradient);
@@ -86,14 +103,15 @@ impl PointStarts {
 }
 
 /// The start of point `i`, whose x̄ is `rest`.
-fn point_start<B: Basis>(
-    asset: &Asset<B>,
+fn point_start<B: Basis, C: Basis>(
+    (asset, cubature): (&Asset<B>, &Cubature<C>),
     past: &PastMotion,
     motion: &Motion,
     i: usize,
     rest: DVec3,
 ) -> PointStart {
-    let (skinning, basis) = (asset.cubature.skinning.row(i), asset.cubature.basis.row(i));
+    let points = &cubature.points;
+    let (skinning, basis) = (points.skinning.row(i), points.basis.row(i));
     let joints = &asset.avatar.skeleton.joints;
     let unposed = rest + unposed_displacement(basis, &motion.handles);
     PointStart {

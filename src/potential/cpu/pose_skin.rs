@@ -2,6 +2,8 @@
 
 use super::Basis;
 use super::asset::Asset;
+use super::displacement::unposed_displacement;
+use super::fine_skin::FineSkin;
 use super::normals::normal;
 use super::pose_blend::add_offsets;
 use super::skin::skin;
@@ -34,7 +36,7 @@ impl PosedSkin {
     /// Poses the skin of `state` with x̄ of its own pose and `offsets`.
     pub fn pose<B: Basis>(
         &mut self,
-        asset: &Asset<B>,
+        (asset, fine): (&Asset<B>, &FineSkin),
         state: &State,
         offsets: &[[f32; 3]],
         previous: PreviousSkin,
@@ -59,13 +61,17 @@ impl PosedSkin {
             out.copy_from_slice(blended);
             add_offsets(out, offsets.get(first..).unwrap_or_default());
             for (v, x) in (first..).zip(out) {
+                let rest = match fine.row(v) {
+                    [] => *x,
+                    fine => *x + unposed_displacement(fine, &state.handles),
+                };
                 *x = skin(
                     asset.skin.skinning.row(v),
                     asset.skin.basis.row(v),
                     &skeleton.joints,
                     &state.frames,
                     &state.handles,
-                    *x,
+                    rest,
                 );
             }
         });

@@ -38,6 +38,7 @@ pub(super) fn geometric_terms(
         let vertex = Vertex {
             skinning: skin.skinning.row(v),
             basis,
+            fine: &[],
             unposed: rest[0] + unposed_displacement(basis, &state.handles),
         };
         let pattern = (&recorder.pattern, &start.prescribed[..]);

@@ -21,7 +21,7 @@ pub type Constraints = Rows<(u32, f64)>;
 #[derive(Debug)]
 pub struct BiharmonicSystem {
     /// Column of each node in the system; `None` where it is fixed.
-    column_of_node: Vec<Option<u32>>,
+    pub(super) column_of_node: Vec<Option<u32>>,
     /// Number of columns.
     free: usize,
     /// Tets whose part of the mesh fixed nodes and constraints do not determine.
@@ -31,14 +31,14 @@ pub struct BiharmonicSystem {
     /// Energy entries between a free and a fixed node: (free column, fixed node, value).
     coupling: Vec<(u32, u32, f64)>,
     /// Shares of each constraint on free nodes, by column.
-    constraints: Constraints,
+    pub(super) constraints: Constraints,
     /// The same on fixed nodes, by node.
     constraints_on_fixed: Constraints,
-    factor: SparseFactor,
+    pub(super) factor: SparseFactor,
     /// The columns of K⁻¹ Cᵀ.
     solved: Vec<Vec<f64>>,
     /// S.
-    schur: DenseFactor,
+    pub(super) schur: DenseFactor,
 }
 
 impl BiharmonicSystem {
@@ -54,6 +54,17 @@ impl BiharmonicSystem {
         energy: BasisEnergy,
         fixed: &[bool],
         constraints: &Constraints,
+    ) -> Result<Self> {
+        Self::factored(mesh, energy, fixed, constraints, true)
+    }
+
+    /// The same; without `keep` it has no K⁻¹ Cᵀ, and only [`super::ManyColumns`] can use it.
+    pub(super) fn factored(
+        mesh: &TetMesh,
+        energy: BasisEnergy,
+        fixed: &[bool],
+        constraints: &Constraints,
+        keep: bool,
     ) -> Result<Self> {
         let all_constraints = constraints;
         let nodes = mesh.nodes.len();
@@ -133,12 +144,19 @@ impl BiharmonicSystem {
         let matrix = SparseSymmetric::from_entries(free as usize, &entries);
         drop(entries);
         let factor = SparseFactor::new(&matrix, Self::NAME)?;
-        let solved = factor.solve_each(
-            constraints.len(),
-            |i, b| scatter(constraints.row(i), 1.0, b),
-            |_, z| z.to_vec(),
-        );
-        let schur: Vec<Vec<f64>> = solved.iter().map(|z| gather(&constraints, z)).collect();
+        let (solved, schur): (Vec<_>, Vec<_>) = factor
+            .solve_each(
+                constraints.len(),
+                |i, b| scatter(constraints.row(i), 1.0, b),
+                |_, z| {
+                    (
+                        if keep { z.to_vec() } else { Vec::new() },
+                        gather(&constraints, z),
+                    )
+                },
+            )
+            .into_iter()
+            .unzip();
         let schur = DenseFactor::new(&schur, "constraints of the biharmonic basis")?;
         Ok(Self {
             column_of_node,

@@ -6,4 +6,6 @@ mod points;
 mod prior;
 mod weights;
 
+pub(crate) use points::candidates;
+
 pub use cubature::{Cubature, CubatureMethod, CubatureReport, Sampling, Tissue, Weights};

@@ -20,6 +20,7 @@ pub fn all_tets(avatar: &Avatar) -> Result<Avatar> {
         cubature: whole_layer(avatar, &avatar.layer.basis)?,
         tissue: avatar.layer.tissue.clone(),
         pose_extension: Rows::default(),
+        fine: Default::default(),
         ..avatar.clone()
     })
 }
@@ -67,6 +68,7 @@ pub fn full_space(avatar: &Avatar) -> Result<Avatar> {
         tissue: layer.tissue.clone(),
         density: avatar.density,
         captured_under_gravity: avatar.captured_under_gravity,
+        fine: Default::default(),
         layer: SoftLayer {
             basis,
             ..layer.clone()
@@ -81,6 +83,7 @@ pub fn without_tissue(avatar: &Avatar) -> Avatar {
     let mut rigid = Avatar {
         name: format!("{}, without tissue", avatar.name),
         handles: Vec::new(),
+        fine: Default::default(),
         ..avatar.clone()
     };
     let rows = |count: usize| (0..count).map(|_| None::<BasisEntry>).collect();

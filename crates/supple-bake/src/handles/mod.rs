@@ -1,7 +1,7 @@
 //! Where handles stand: chosen by a recipe's regions or by the tissue's softness.
 
 pub(crate) mod automatic;
-mod candidates;
+pub(crate) mod candidates;
 #[allow(clippy::module_inception)]
 mod handles;
 mod mirror;

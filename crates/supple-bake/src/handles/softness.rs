@@ -8,6 +8,7 @@ use crate::body::Body;
 use crate::math::NearestPoint;
 use glam::DVec3;
 use supple::internal::math::par_map;
+use supple::model::{Avatar, TetMesh};
 
 /// Below this softness no handle stands by itself: tissue sways with the square of its depth, a tenth of what is deep.
 pub(crate) const STIFF: f64 = 0.3;
@@ -34,15 +35,41 @@ pub struct Softness {
 impl Softness {
     /// Measures a body whose layer is meshed. All soft where no bone holds a node.
     pub fn of(body: &Body) -> Self {
-        let held: Vec<DVec3> = (body.layer.bone_of_node.iter())
-            .zip(&body.layer.mesh.nodes)
+        let layer = &body.layer;
+        let areas = body.skin.vertex_areas();
+        Self::measured(
+            &layer.mesh,
+            &layer.bone_of_node,
+            &body.skin.positions,
+            &areas,
+        )
+    }
+
+    /// Measures the skin of a baked avatar's tissue, attached vertices left out.
+    pub fn of_avatar(avatar: &Avatar) -> Self {
+        let (layer, vertices) = (&avatar.layer, avatar.tissue_vertices());
+        let (skin, areas) = (&avatar.skin.position, &avatar.skin.measure);
+        Self::measured(
+            &layer.mesh,
+            &layer.bone_of_node,
+            &skin[..vertices],
+            &areas[..vertices],
+        )
+    }
+
+    fn measured(
+        mesh: &TetMesh,
+        bone_of_node: &[Option<u32>],
+        skin: &[DVec3],
+        areas: &[f64],
+    ) -> Self {
+        let nodes = bone_of_node.iter().zip(&mesh.nodes);
+        let held: Vec<DVec3> = nodes
             .filter_map(|(bone, &place)| bone.map(|_| place))
             .collect();
-        let skin = &body.skin.positions;
-        let areas = body.skin.vertex_areas();
         let search = NearestPoint::new(&held);
         let depth = par_map(skin.len(), |v| search.distance(skin[v]));
-        let deep = upper_quantile(&depth, &areas, DEEPEST_AREA);
+        let deep = upper_quantile(&depth, areas, DEEPEST_AREA);
         let softness: Vec<f64> = (depth.iter())
             .map(|d| {
                 if deep > 0.0 && deep.is_finite() {
@@ -52,7 +79,7 @@ impl Softness {
                 }
             })
             .collect();
-        let soft_area = (softness.iter().zip(&areas))
+        let soft_area = (softness.iter().zip(areas))
             .filter(|(s, _)| **s >= STIFF)
             .map(|(s, area)| s * s * area)
             .sum();

@@ -174,16 +174,26 @@ impl SparseFactor {
         right_hand_side: impl Fn(usize, &mut [f64]) + Sync + Send,
         take: impl Fn(usize, &[f64]) -> T + Sync + Send,
     ) -> Vec<T> {
+        self.solve_sets(count, 1, right_hand_side, take)
+    }
+
+    /// The same of sets of `size` columns (16 at most), one after the other in b and x.
+    pub fn solve_sets<T: Send>(
+        &self,
+        count: usize,
+        size: usize,
+        right_hand_side: impl Fn(usize, &mut [f64]) + Sync + Send,
+        take: impl Fn(usize, &[f64]) -> T + Sync + Send,
+    ) -> Vec<T> {
         let n = self.symbolic.nrows();
-        let mut groups: Vec<Vec<T>> = (0..count.div_ceil(Self::GROUP))
-            .map(|_| Vec::new())
-            .collect();
+        let group = (Self::GROUP / size).max(1);
+        let mut groups: Vec<Vec<T>> = (0..count.div_ceil(group)).map(|_| Vec::new()).collect();
         par_each(&mut groups, 1, |g, out| {
-            let columns = (g * Self::GROUP)..((g + 1) * Self::GROUP).min(count);
-            let width = columns.len();
+            let sets = (g * group)..((g + 1) * group).min(count);
+            let width = size * sets.len();
             let mut x = vec![0.0; n * width];
             if n > 0 {
-                for (i, b) in columns.clone().zip(x.chunks_exact_mut(n)) {
+                for (i, b) in sets.clone().zip(x.chunks_exact_mut(n * size)) {
                     right_hand_side(i, b);
                 }
                 let mut memory =
@@ -195,11 +205,8 @@ impl SparseFactor {
                     MemStack::new(&mut memory),
                 );
             }
-            out.extend(
-                columns
-                    .enumerate()
-                    .map(|(k, i)| take(i, &x[k * n..(k + 1) * n])),
-            );
+            let set = |k: usize| &x[k * size * n..(k + 1) * size * n];
+            out.extend(sets.enumerate().map(|(k, i)| take(i, set(k))));
         });
         groups.into_iter().flatten().collect()
     }

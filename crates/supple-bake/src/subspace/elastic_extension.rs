@@ -6,11 +6,11 @@
 //! gives way sideways, as Poisson's ratio demands, which no scalar basis can do.
 
 use super::Subspace;
-use super::harmonic_extension::skin_value;
 use super::linear_elasticity::{add_lower, rest_tangent, tet_stiffness};
 use crate::basis::{HeldNodes, Role, Truncation};
 use crate::math::{SparseFactor, SparseSymmetric};
 use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
 use supple::Result;
 use supple::internal::math::Rows;
 use supple::model::Avatar;
@@ -24,80 +24,166 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// [`supple::Error::Solve`] where tissue hangs on neither skin nor bone.
 pub fn elastic_extension(avatar: &Avatar, depth: Truncation) -> Result<Subspace> {
-    let layer = &avatar.layer;
-    let (mesh, embedding) = (&layer.mesh, &layer.skin_embedding);
-    let held = HeldNodes::new(mesh, &layer.bone_of_node, embedding, &avatar.skin.measure);
-    let mut entries = Vec::new();
-    let mut coupling: Vec<(u32, u32, DMat3)> = Vec::new();
-    let mut add =
-        |i: u32, j: u32, block: DMat3| match (held.role[i as usize], held.role[j as usize]) {
-            (Role::Free(r), Role::Free(c)) => add_lower(r, c, &block, &mut entries),
-            (Role::Free(r), Role::Skin) => coupling.push((r, j, block)),
-            _ => {}
-        };
-    for (tet, blocks) in mesh.tets.iter().zip(tet_stiffness(avatar)) {
-        for (&i, blocks) in tet.iter().zip(&blocks) {
-            for (&j, block) in tet.iter().zip(blocks) {
-                add(i, j, *block);
-            }
+    let mut on_skin = vec![Vec::new(); avatar.handles.len()];
+    let tissue = avatar.skin.basis.iter().take(avatar.tissue_vertices());
+    for (v, row) in (0..).zip(tissue) {
+        for u in row.iter().filter(|u| u.value != 0.0) {
+            on_skin[u.handle as usize].push((v, u.value));
         }
     }
-    // What is a Laplacian's 1 is the mean stiffness here, Pa.
-    let tangent = rest_tangent(avatar, 0);
-    let stiffness = (0..9).map(|i| tangent[i][i]).sum::<f64>() / 9.0;
-    for &(vertex, area_by_length) in &held.soft {
-        let row = embedding.row(vertex as usize);
-        for &(i, share_i) in row {
-            for &(j, share_j) in row {
-                let diagonal = DVec3::splat(stiffness * area_by_length * share_i * share_j);
-                add(i, j, DMat3::from_diagonal(diagonal));
-            }
-        }
-    }
-    let matrix = SparseSymmetric::from_entries(3 * held.free, &entries);
-    drop(entries);
-    let factor = SparseFactor::new(&matrix, "elastic extension")?;
+    let columns = ElasticExtension::new(avatar)?.columns(&on_skin, depth);
+    let nodes = by_node(avatar.layer.mesh.nodes.len(), &columns);
+    Subspace::new(avatar, avatar.handles.clone(), nodes)
+}
 
-    let skin_values = |h: usize| held.skin_values(move |v| skin_value(avatar, h, v));
-    let load = |field: usize, b: &mut [f64]| {
-        let (h, axis) = (field / 3, field % 3);
-        let mut on_node = vec![0.0; mesh.nodes.len()];
-        skin_values(h).for_each(|(node, u)| on_node[node as usize] = u);
-        for &(column, node, block) in &coupling {
-            let force = block.col(axis) * on_node[node as usize];
-            (0..3).for_each(|i| b[3 * column as usize + i] -= force[i]);
-        }
-        for &(vertex, area_by_length) in &held.soft {
-            let pull = stiffness * area_by_length * skin_value(avatar, h, vertex);
-            for &(node, share) in embedding.row(vertex as usize) {
-                if let Role::Free(column) = held.role[node as usize] {
-                    b[3 * column as usize + axis] += pull * share;
+/// Columns of (node, N) as a row of (column, N) for each node.
+pub(crate) fn by_node(nodes: usize, columns: &[Vec<(u32, DMat3)>]) -> Rows<(u32, DMat3)> {
+    let mut rows = vec![Vec::new(); nodes];
+    for (h, column) in (0..).zip(columns) {
+        (column.iter()).for_each(|&(node, block)| rows[node as usize].push((h, block)));
+    }
+    rows.into_iter().collect()
+}
+
+/// The factored system of an avatar's layer whose skin is moved and whose bones stand.
+pub(crate) struct ElasticExtension<'a> {
+    embedding: &'a Rows<(u32, f64)>,
+    held: HeldNodes,
+    /// Area/ℓ of each skin vertex that holds softly, m.
+    soft: Vec<Option<f64>>,
+    /// (free column, K) of each node that is skin: what moves the free one where the skin's moves.
+    coupling: Rows<(u32, DMat3)>,
+    /// What is a Laplacian's 1 is the mean stiffness here, Pa.
+    stiffness: f64,
+    factor: SparseFactor,
+}
+
+impl<'a> ElasticExtension<'a> {
+    /// Factors K of `avatar` over the nodes that neither skin nor bone holds.
+    ///
+    /// # Errors
+    /// [`supple::Error::Solve`] where tissue hangs on neither skin nor bone.
+    pub fn new(avatar: &'a Avatar) -> Result<Self> {
+        let layer = &avatar.layer;
+        let (mesh, embedding) = (&layer.mesh, &layer.skin_embedding);
+        let held = HeldNodes::new(mesh, &layer.bone_of_node, embedding, &avatar.skin.measure);
+        let mut entries = Vec::new();
+        let mut coupling: Vec<Vec<(u32, DMat3)>> = vec![Vec::new(); mesh.nodes.len()];
+        let mut add =
+            |i: u32, j: u32, block: DMat3| match (held.role[i as usize], held.role[j as usize]) {
+                (Role::Free(r), Role::Free(c)) => add_lower(r, c, &block, &mut entries),
+                (Role::Free(r), Role::Skin) => coupling[j as usize].push((r, block)),
+                _ => {}
+            };
+        for (tet, blocks) in mesh.tets.iter().zip(tet_stiffness(avatar)) {
+            for (&i, blocks) in tet.iter().zip(&blocks) {
+                for (&j, block) in tet.iter().zip(blocks) {
+                    add(i, j, *block);
                 }
             }
         }
-    };
-    let handles = avatar.handles.len();
-    let fields = factor.solve_each(3 * handles, load, |_, u| u.to_vec());
+        let tangent = rest_tangent(avatar, 0);
+        let stiffness = (0..9).map(|i| tangent[i][i]).sum::<f64>() / 9.0;
+        let mut soft = vec![None; embedding.len()];
+        for &(vertex, area_by_length) in &held.soft {
+            soft[vertex as usize] = Some(area_by_length);
+            let row = embedding.row(vertex as usize);
+            for &(i, share_i) in row {
+                for &(j, share_j) in row {
+                    let diagonal = DVec3::splat(stiffness * area_by_length * share_i * share_j);
+                    add(i, j, DMat3::from_diagonal(diagonal));
+                }
+            }
+        }
+        let matrix = SparseSymmetric::from_entries(3 * held.free, &entries);
+        drop(entries);
+        Ok(Self {
+            factor: SparseFactor::new(&matrix, "elastic extension")?,
+            coupling: coupling.into_iter().collect(),
+            embedding,
+            held,
+            soft,
+            stiffness,
+        })
+    }
 
-    let mut on_skin: Vec<Vec<(u32, DMat3)>> = vec![Vec::new(); mesh.nodes.len()];
-    for h in 0..handles {
-        for (node, u) in skin_values(h).filter(|(_, u)| *u != 0.0) {
-            on_skin[node as usize].push((h as u32, DMat3::from_diagonal(DVec3::splat(u))));
+    /// N of each column, whose values U on the skin are given as (vertex, U), at the nodes where it is not 0: (node, N),
+    /// nodes rising. `depth` truncates what is not skin.
+    pub fn columns(
+        &self,
+        on_skin: &[Vec<(u32, f64)>],
+        depth: Truncation,
+    ) -> Vec<Vec<(u32, DMat3)>> {
+        let load = |h: usize, b: &mut [f64]| self.load(&on_skin[h], b);
+        let blocks = |h: usize, x: &[f64]| self.blocks(&on_skin[h], x, depth);
+        self.factor.solve_sets(on_skin.len(), 3, load, blocks)
+    }
+
+    /// −K_is U e_a for the three axes a, one after the other.
+    fn load(&self, on_skin: &[(u32, f64)], b: &mut [f64]) {
+        let n = 3 * self.held.free;
+        for (node, u) in self.skin_nodes(on_skin) {
+            for &(column, block) in self.coupling.row(node as usize) {
+                for axis in 0..3 {
+                    let force = block.col(axis) * u;
+                    let at = axis * n + 3 * column as usize;
+                    (0..3).for_each(|i| b[at + i] -= force[i]);
+                }
+            }
+        }
+        for &(vertex, u) in on_skin {
+            let Some(area_by_length) = self.soft[vertex as usize] else {
+                continue;
+            };
+            let pull = self.stiffness * area_by_length * u;
+            for &(node, share) in self.embedding.row(vertex as usize) {
+                if let Role::Free(column) = self.held.role[node as usize] {
+                    for axis in 0..3 {
+                        b[axis * n + 3 * column as usize + axis] += pull * share;
+                    }
+                }
+            }
         }
     }
-    let block = |h: usize, column: u32| {
-        let field = |axis: usize| DVec3::from_slice(&fields[3 * h + axis][3 * column as usize..]);
-        DMat3::from_cols(field(0), field(1), field(2))
-    };
-    let at_node = |(role, on_skin): (&Role, Vec<(u32, DMat3)>)| match *role {
-        Role::Bone(_) => Vec::new(),
-        Role::Skin => on_skin,
-        Role::Free(column) => (0..handles)
-            .filter_map(|h| Some((h as u32, truncated(block(h, column), depth)?)))
-            .collect(),
-    };
-    let nodes: Rows<(u32, DMat3)> = held.role.iter().zip(on_skin).map(at_node).collect();
-    Subspace::new(avatar, avatar.handles.clone(), nodes)
+
+    /// The blocks of a column from its solution `x`.
+    fn blocks(&self, on_skin: &[(u32, f64)], x: &[f64], depth: Truncation) -> Vec<(u32, DMat3)> {
+        let n = 3 * self.held.free;
+        let on_skin: Vec<(u32, f64)> = self.skin_nodes(on_skin).collect();
+        let at_node = |(node, role): (u32, &Role)| {
+            let block = match *role {
+                Role::Bone(_) => None,
+                Role::Skin => {
+                    let at = on_skin.binary_search_by_key(&node, |e| e.0).ok()?;
+                    Some(DMat3::from_diagonal(DVec3::splat(on_skin[at].1)))
+                }
+                Role::Free(column) => {
+                    let at = 3 * column as usize;
+                    let along = |axis: usize| DVec3::from_slice(&x[axis * n + at..]);
+                    truncated(DMat3::from_cols(along(0), along(1), along(2)), depth)
+                }
+            };
+            Some((node, block?))
+        };
+        (0..).zip(&self.held.role).filter_map(at_node).collect()
+    }
+
+    /// (node, U) at the nodes that are skin and where `on_skin` is given, nodes rising: the mean over a node's vertices.
+    fn skin_nodes(&self, on_skin: &[(u32, f64)]) -> impl Iterator<Item = (u32, f64)> {
+        let mut sums = BTreeMap::new();
+        for &(vertex, u) in on_skin {
+            if let [(node, _)] = *self.embedding.row(vertex as usize)
+                && self.held.role[node as usize] == Role::Skin
+            {
+                *sums.entry(node).or_insert(0.0) += u;
+            }
+        }
+        let mean = |(node, sum): (u32, f64)| {
+            let vertices = self.held.vertices_of_node[&node].len();
+            (node, sum / vertices as f64)
+        };
+        sums.into_iter().map(mean)
+    }
 }
 
 /// N scaled as `depth` scales a value of its size; `None` where nothing is left.

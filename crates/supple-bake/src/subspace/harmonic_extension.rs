@@ -25,6 +25,7 @@ pub fn harmonic_extension(avatar: &Avatar, depth: Truncation) -> Result<Avatar> 
     let basis: Rows<(u32, f64)> = (0..mesh.nodes.len()).map(at_node).collect();
     let mut out = Avatar {
         name: format!("{}, harmonic", avatar.name),
+        fine: Default::default(),
         ..avatar.clone()
     };
     out.skin.basis = basis_on_skin(embedding, &basis);

@@ -27,6 +27,7 @@ mod subspace;
 mod test_body;
 
 pub use elastic_extension::elastic_extension;
+pub(crate) use elastic_extension::{ElasticExtension, by_node};
 pub use harmonic_extension::harmonic_extension;
 pub use linear_elasticity::{lumped_mass, rest_stiffness};
 pub use modal::{Modes, modal};

@@ -3,7 +3,7 @@
 use super::{TINY, baked, recipe, untruncated};
 use glam::DVec3;
 use supple::model::{Avatar, PointSet};
-use supple_bake::{HandleCandidates, HandleRegion, Recipe, all_tets, bake, full_space};
+use supple_bake::{HandleCandidates, HandleRegion, PHASES, Recipe, all_tets, bake, full_space};
 use supple_samples::Limb;
 
 /// ∇(Σ_h U_h f(X_h)) and Σ_h U_h f(X_h) at a point, for the linear f with gradient `direction`.
@@ -26,7 +26,7 @@ fn a_limb_bakes_with_handles_on_its_skin_and_in_its_volume() {
         let (avatar, report) =
             bake(&body, &recipe(candidates, count), &mut |p| phases.push(p)).unwrap();
         println!("{}", serde_json::to_string_pretty(&report).unwrap());
-        assert_eq!(phases, [0, 1, 2, 3, 4, 5, 6]);
+        assert!(phases.into_iter().eq(0..=PHASES.len()));
         assert_eq!(
             (
                 report.mesh.quality.nodes,

@@ -5,6 +5,7 @@ mod bodies;
 mod cubature;
 mod errors;
 mod file;
+mod fine;
 mod interior;
 mod large;
 mod lattice;

@@ -4,6 +4,7 @@
 mod basis;
 mod case;
 mod factors;
+mod fine;
 mod prescribed;
 mod terms;
 

@@ -8,11 +8,13 @@ use super::scene::{GRAVITY, INERTIAL_STEP, Phase, Scene, mat, prescribed, vec};
 use supple::glam::{DMat3, DVec3};
 use supple::internal::cpu::displacement::arms;
 use supple::internal::cpu::gradient::{gradient as gradient_twin, point_force};
-use supple::internal::cpu::hessian::{ContactRows, ContactTerms, gather_blocks, gather_contacts};
+use supple::internal::cpu::hessian::{
+    ContactRows, ContactTerms, SkinBlocks, gather_blocks, gather_contacts,
+};
 use supple::internal::cpu::point_hessian::{
     PointTerms, PointView, is_prescribed, point_hessian as hessian_twin,
 };
-use supple::internal::cpu::{Basis, Incidence};
+use supple::internal::cpu::{Basis, FineSkin, Incidence};
 use supple::internal::features::point_blocks;
 use supple::internal::gpu::shared;
 use supple::internal::math::Mat9;
@@ -288,6 +290,12 @@ pub fn hessian(scene: &Scene) -> Outcome {
         .collect();
 
     let mut by_row = ContactRows::default();
+    let fine = FineSkin::default();
+    let skin = SkinBlocks {
+        coarse: &skin,
+        fine: &fine,
+        first_handle: scene.avatar.space().handle_block(0) as u32,
+    };
     by_row.fill(&contacts, &skin, scene.avatar.space().blocks());
     let gather = |parts: &[Vec<DMat3>], levers: &[DVec3]| {
         let mut out = vec![[0.0; 9]; scene.pattern.len()];
@@ -300,7 +308,7 @@ pub fn hessian(scene: &Scene) -> Outcome {
                 rows: &by_row,
                 contacts: &contacts,
                 levers: (stride, levers),
-                skin: &skin,
+                skin,
                 pattern: &scene.pattern,
                 prescribed: &[],
             };
