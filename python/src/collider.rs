@@ -14,7 +14,7 @@ use supple::world::ColliderId;
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
     pub friction: f64,
-    pub stiffness: f64,
+    pub stiffness: Option<f64>,
     pub margin: f64,
 }
 

@@ -405,6 +405,13 @@ impl Simulation {
         Ok(slf.clone())
     }
 
+    /// Puts everything into equilibrium with what drives and touches it, at rest: tissue sags, springs give way, and nothing
+    /// swings in the first step. How far its last iteration still moved anything, m.
+    fn settle(&mut self, py: Python<'_>) -> PyResult<f64> {
+        let world = &mut self.world;
+        py.detach(move || world.settle_blocking()).or_raise()
+    }
+
     /// One step of dt, s: what is followed, and colliders, move evenly through it; a long one is cut into several. Other
     /// threads of Python run meanwhile.
     #[pyo3(signature = (dt=1.0/60.0))]
@@ -580,14 +587,14 @@ impl Simulation {
         self.motion.notes()
     }
 
-    /// A ball of this radius (m). `friction` is μ, `stiffness` in Pa/m, contact begins at the distance `margin` (m).
-    #[pyo3(signature = (radius, position, *, friction=0.0, stiffness=1e8, margin=0.0))]
+    /// A ball of this radius (m). `friction` is μ, `stiffness` in Pa/m (none: the tissue's own), contact begins at the distance `margin` (m).
+    #[pyo3(signature = (radius, position, *, friction=0.0, stiffness=None, margin=0.0))]
     fn add_sphere(
         slf: &Bound<'_, Self>,
         radius: f64,
         position: &Bound<'_, PyAny>,
         friction: f64,
-        stiffness: f64,
+        stiffness: Option<f64>,
         margin: f64,
     ) -> PyResult<Collider> {
         let frame = collider::frame(Some(position), None)?;
@@ -600,14 +607,14 @@ impl Simulation {
     }
 
     /// A ball of this radius swept from `start` to `end` (m).
-    #[pyo3(signature = (start, end, radius, *, friction=0.0, stiffness=1e8, margin=0.0))]
+    #[pyo3(signature = (start, end, radius, *, friction=0.0, stiffness=None, margin=0.0))]
     fn add_capsule(
         slf: &Bound<'_, Self>,
         start: &Bound<'_, PyAny>,
         end: &Bound<'_, PyAny>,
         radius: f64,
         friction: f64,
-        stiffness: f64,
+        stiffness: Option<f64>,
         margin: f64,
     ) -> PyResult<Collider> {
         let (frame, half_length) = collider::between(start, end)?;
@@ -628,14 +635,14 @@ impl Simulation {
     }
 
     /// A flat-ended cylinder from `start` to `end` (m).
-    #[pyo3(signature = (start, end, radius, *, friction=0.0, stiffness=1e8, margin=0.0))]
+    #[pyo3(signature = (start, end, radius, *, friction=0.0, stiffness=None, margin=0.0))]
     fn add_cylinder(
         slf: &Bound<'_, Self>,
         start: &Bound<'_, PyAny>,
         end: &Bound<'_, PyAny>,
         radius: f64,
         friction: f64,
-        stiffness: f64,
+        stiffness: Option<f64>,
         margin: f64,
     ) -> PyResult<Collider> {
         let (frame, half_length) = collider::between(start, end)?;
@@ -656,7 +663,7 @@ impl Simulation {
     }
 
     /// A box of this `size` (three extents, m). Rotations are matrices or rotation vectors (rad).
-    #[pyo3(signature = (size, position, rotation=None, *, friction=0.0, stiffness=1e8, margin=0.0))]
+    #[pyo3(signature = (size, position, rotation=None, *, friction=0.0, stiffness=None, margin=0.0))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn add_box(
         slf: &Bound<'_, Self>,
@@ -664,7 +671,7 @@ impl Simulation {
         position: &Bound<'_, PyAny>,
         rotation: Option<&Bound<'_, PyAny>>,
         friction: f64,
-        stiffness: f64,
+        stiffness: Option<f64>,
         margin: f64,
     ) -> PyResult<Collider> {
         let half_extents = (0.5 * crate::arrays::vector(size, "size")?).to_array();
@@ -678,13 +685,13 @@ impl Simulation {
     }
 
     /// All that is below a plane: `normal` points out of it.
-    #[pyo3(signature = (point, normal, *, friction=0.0, stiffness=1e8, margin=0.0))]
+    #[pyo3(signature = (point, normal, *, friction=0.0, stiffness=None, margin=0.0))]
     fn add_half_space(
         slf: &Bound<'_, Self>,
         point: &Bound<'_, PyAny>,
         normal: &Bound<'_, PyAny>,
         friction: f64,
-        stiffness: f64,
+        stiffness: Option<f64>,
         margin: f64,
     ) -> PyResult<Collider> {
         let frame = collider::facing(point, normal)?;
@@ -697,12 +704,12 @@ impl Simulation {
     }
 
     /// All that is below this height (m), along the world's up.
-    #[pyo3(signature = (height=0.0, *, friction=0.5, stiffness=1e8, margin=0.0))]
+    #[pyo3(signature = (height=0.0, *, friction=0.5, stiffness=None, margin=0.0))]
     fn add_ground(
         slf: &Bound<'_, Self>,
         height: f64,
         friction: f64,
-        stiffness: f64,
+        stiffness: Option<f64>,
         margin: f64,
     ) -> PyResult<Collider> {
         if !height.is_finite() {
@@ -723,7 +730,7 @@ impl Simulation {
     }
 
     /// A closed triangle mesh: V × 3 (m), F × 3, counter-clockwise seen from outside.
-    #[pyo3(signature = (vertices, faces, position=None, rotation=None, *, friction=0.0, stiffness=1e8, margin=0.0))]
+    #[pyo3(signature = (vertices, faces, position=None, rotation=None, *, friction=0.0, stiffness=None, margin=0.0))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn add_mesh(
         slf: &Bound<'_, Self>,
@@ -732,7 +739,7 @@ impl Simulation {
         position: Option<&Bound<'_, PyAny>>,
         rotation: Option<&Bound<'_, PyAny>>,
         friction: f64,
-        stiffness: f64,
+        stiffness: Option<f64>,
         margin: f64,
     ) -> PyResult<Collider> {
         let surface = collider::surface(vertices, faces)?;

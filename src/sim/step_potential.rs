@@ -57,6 +57,7 @@ impl StepPotential {
         let physics = Physics {
             skeleton: SkeletonModel::new(&avatar),
             captured_under_gravity: avatar.captured_under_gravity,
+            waking: None,
             settings: *settings,
         };
         let mut fixed = vec![false; avatar.space().dofs()];

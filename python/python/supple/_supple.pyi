@@ -126,6 +126,7 @@ class Simulation:
     def hold(self) -> Simulation: ...
     def ragdoll(self, bending_stiffness: float = 10.0) -> Simulation: ...
     def reset(self) -> Simulation: ...
+    def settle(self) -> float: ...
     def step(self, dt: float = ...) -> StepResult: ...
     def simulate(
         self,
@@ -160,7 +161,7 @@ class Simulation:
         position: npt.ArrayLike,
         *,
         friction: float = 0.0,
-        stiffness: float = 1e8,
+        stiffness: Optional[float] = None,
         margin: float = 0.0,
     ) -> Collider: ...
     def add_capsule(
@@ -170,7 +171,7 @@ class Simulation:
         radius: float,
         *,
         friction: float = 0.0,
-        stiffness: float = 1e8,
+        stiffness: Optional[float] = None,
         margin: float = 0.0,
     ) -> Collider: ...
     def add_cylinder(
@@ -180,7 +181,7 @@ class Simulation:
         radius: float,
         *,
         friction: float = 0.0,
-        stiffness: float = 1e8,
+        stiffness: Optional[float] = None,
         margin: float = 0.0,
     ) -> Collider: ...
     def add_box(
@@ -190,7 +191,7 @@ class Simulation:
         rotation: Optional[npt.ArrayLike] = None,
         *,
         friction: float = 0.0,
-        stiffness: float = 1e8,
+        stiffness: Optional[float] = None,
         margin: float = 0.0,
     ) -> Collider: ...
     def add_half_space(
@@ -199,7 +200,7 @@ class Simulation:
         normal: npt.ArrayLike,
         *,
         friction: float = 0.0,
-        stiffness: float = 1e8,
+        stiffness: Optional[float] = None,
         margin: float = 0.0,
     ) -> Collider: ...
     def add_ground(
@@ -207,7 +208,7 @@ class Simulation:
         height: float = 0.0,
         *,
         friction: float = 0.5,
-        stiffness: float = 1e8,
+        stiffness: Optional[float] = None,
         margin: float = 0.0,
     ) -> Collider: ...
     def add_mesh(
@@ -218,7 +219,7 @@ class Simulation:
         rotation: Optional[npt.ArrayLike] = None,
         *,
         friction: float = 0.0,
-        stiffness: float = 1e8,
+        stiffness: Optional[float] = None,
         margin: float = 0.0,
     ) -> Collider: ...
 
