@@ -83,8 +83,18 @@ fn way(deepest: f64) -> Vec<f64> {
 
 #[test]
 fn they_wake_ahead_of_contact_and_sleep_again_without_a_jump() {
+    // Where its weight loads the handles, those that are awake carry some, which is taken back before they sleep.
+    for captured in [true, false] {
+        wake_and_sleep(captured);
+    }
+}
+
+fn wake_and_sleep(captured_under_gravity: bool) {
     const SLOTS: usize = 12;
-    let avatar = with_slots(SLOTS);
+    let avatar = Arc::new(Avatar {
+        captured_under_gravity,
+        ..Avatar::clone(&with_slots(SLOTS))
+    });
     let mut simulation = simulation(&avatar, 1, Settings::default());
     let collider = Collider::new(Shape::Sphere { radius: RADIUS }, sphere(-0.06));
     simulation.instances_mut()[0].colliders.push(collider);

@@ -162,6 +162,30 @@ mod tests {
         let weights = cells.own_measure.iter().chain(&cells.measure);
         assert!(weights.into_iter().all(|w| *w > 0.0));
         assert!(cells.cell_of_point.is_sorted());
+        // Each tet counts for the nearest point of the cell of its nearest coarse point.
+        let at = |t: u32| mesh.centroid(t as usize);
+        let nearest = |place: DVec3, of: &mut dyn Iterator<Item = u32>| {
+            let distance = |t: &u32| at(*t).distance(place);
+            of.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .unwrap()
+        };
+        let mut expected = std::collections::BTreeMap::new();
+        for (t, volume) in (0..).zip(tissue.tet_volumes()) {
+            let cell = nearest(at(t), &mut coarse.iter().copied());
+            let of_cell = |(child, c): (&u32, &u32)| {
+                let own = coarse[*c as usize] == cell;
+                own.then_some(*child)
+            };
+            let children = cells.tets.iter().zip(&cells.cell_of_point);
+            let children = children.filter_map(of_cell);
+            let point = nearest(at(t), &mut std::iter::once(cell).chain(children));
+            *expected.entry(point).or_insert(0.0) += volume;
+        }
+        let points = coarse.iter().chain(&cells.tets);
+        let measures = cells.own_measure.iter().chain(&cells.measure);
+        for (point, measure) in points.zip(measures) {
+            assert!((measure / expected[point] - 1.0).abs() < 1e-12, "{point}");
+        }
         // Cells of the tets around the strong node wake, and those alone have children.
         let around = |node: u32| -> BTreeSet<u32> {
             let tets = mesh.tets.iter().enumerate();
