@@ -309,7 +309,7 @@ fn report(runner: &Runner, outcomes: &[Outcome], page: &mut Page) {
         "largest distance to the answer of all tets",
         100.0 * (outcomes.iter().filter_map(Outcome::cubature_share)).fold(0.0, f64::max),
         "%",
-        Bound::AtMost(12.0),
+        Bound::AtMost(runner.pick(8.0, 16.0)),
     );
     let least = outcomes
         .iter()
