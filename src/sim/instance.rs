@@ -102,7 +102,7 @@ impl Instance {
                     bone: bone as usize,
                     range,
                     stiffness: settings.limit_stiffness,
-                    damping: settings.joint_damping_time * settings.limit_stiffness,
+                    damping_time: settings.joint_damping_time,
                 })
                 .collect(),
             state,
@@ -222,7 +222,11 @@ impl Instance {
             )?;
             limit.range.validate("instance.limits.range")?;
             not_negative("instance.limits.stiffness", limit.stiffness, "N·m/rad")?;
-            not_negative("instance.limits.damping", limit.damping, "N·m·s")?;
+            not_negative(
+                "instance.limits.damping_time",
+                limit.damping_time,
+                "seconds",
+            )?;
         }
         for target in &self.targets {
             check(

@@ -20,9 +20,9 @@ pub struct JointLimit {
     pub range: JointRange,
     /// k, N·m/rad.
     pub stiffness: f64,
-    /// d, N·m·s: out of the range only.
+    /// d/k, s: out of the range it damps too.
     #[serde(skip)]
-    pub damping: f64,
+    pub damping_time: f64,
 }
 
 /// E = ½ k |e|² + ½ d/h̃ |e − ẽ|² with Q = R_pᵀ R_j and what of it is out of its range:
@@ -37,7 +37,7 @@ pub struct LimitSpring {
     pub child: usize,
     /// p.
     pub parent: usize,
-    /// The range, k and d.
+    /// The range, k and d/k.
     pub limit: JointLimit,
     /// d/h̃ and ẽ.
     damper: Damper,
@@ -76,9 +76,12 @@ impl LimitSpring {
             limit,
             damper: Damper::NONE,
         };
-        spring.damper = Damper::new(limit.damping, current, inertia, |frames| {
-            spring.excess(spring.relative(frames))
-        });
+        spring.damper = Damper::new(
+            limit.damping_time * limit.stiffness,
+            current,
+            inertia,
+            |frames| spring.excess(spring.relative(frames)),
+        );
         spring
     }
 

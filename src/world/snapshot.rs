@@ -231,7 +231,7 @@ impl Character {
             inertia_share: instance.inertia_share,
             earlier_targets: instance.targets.iter().map(|t| t.earlier).collect(),
             bending_damping: instance.bending.iter().map(|b| b.damping).collect(),
-            limit_damping: instance.limits.iter().map(|l| l.damping).collect(),
+            limit_damping: instance.limits.iter().map(|l| l.damping_time).collect(),
             preload: instance.preload,
         }
     }
@@ -265,7 +265,7 @@ impl Character {
                 let bending = instance.bending.iter_mut().zip(stored.bending_damping);
                 bending.for_each(|(bending, damping)| bending.damping = damping);
                 let limits = instance.limits.iter_mut().zip(stored.limit_damping);
-                limits.for_each(|(limit, damping)| limit.damping = damping);
+                limits.for_each(|(limit, damping)| limit.damping_time = damping);
                 let targets = instance.targets.iter_mut().zip(stored.earlier_targets);
                 targets.for_each(|(target, earlier)| target.earlier = earlier);
                 instance.preload = stored.preload;

@@ -27,7 +27,8 @@ fn contact_reports_its_force() {
     let mut expected = 0.0;
     for v in 0..avatar.skin.len() {
         let z = posed(&avatar, v, &current.frames, state).z;
-        expected += 1e8 * avatar.skin.measure[v] * (1e-3 - (z + 0.01)).max(0.0);
+        let k = avatar.contact_stiffness[v].min(1e8);
+        expected += k * avatar.skin.measure[v] * (1e-3 - (z + 0.01)).max(0.0);
     }
     assert!((evaluation.contact_force.z - expected).abs() < 1e-9 * expected);
     assert_eq!(evaluation.contact_force.truncate(), DVec2::ZERO);

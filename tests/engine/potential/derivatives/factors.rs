@@ -24,6 +24,10 @@ fn each_factor_multiplies_its_own_term() {
         for local in &mut case.avatar.tissue {
             local.muscle = 0.25;
         }
+        // Contact that follows the tissue does so under its factor too.
+        for collider in &mut case.colliders {
+            collider.stiffness = Some(1e6);
+        }
         evaluate(&mut case.reference(), &state).energies
     };
     let (plain, scaled) = (energies(TissueFactors::default()), energies(factors()));

@@ -197,7 +197,7 @@ pub fn terms() -> Vec<Term> {
             bone: 2,
             range,
             stiffness: 12.0,
-            damping: 0.2,
+            damping_time: 0.02,
         };
         LimitSpring::new([2, 1], limit, &current, &moving)
     };

@@ -129,9 +129,14 @@ fn a_device_that_takes_too_long_is_an_error_and_the_next_question_is_answered() 
     let states = [case.states[0].clone()];
     let mut out = [Evaluation::default()];
     pollster::block_on(hasty.begin_step(&[start(&case)], &[true])).unwrap();
-    for _ in 0..2 {
+    let mut timeouts = 0;
+    // A thread that is held up between submitting and asking finds the device done even so.
+    for _ in 0..100 {
         occupy(&gpu);
-        let error = pollster::block_on(hasty.evaluate(&states, &[true], &mut out)).unwrap_err();
+        out[0] = Evaluation::default();
+        let Err(error) = pollster::block_on(hasty.evaluate(&states, &[true], &mut out)) else {
+            continue;
+        };
         let text = error.to_string();
         assert!(
             matches!(error, Error::Gpu(GpuError::Timeout { waited, .. }) if waited.is_zero()),
@@ -139,7 +144,12 @@ fn a_device_that_takes_too_long_is_an_error_and_the_next_question_is_answered() 
         );
         assert!(text.contains("results of the tissue") && text.contains("GpuOptions::timeout"));
         assert_eq!(out, [Evaluation::default()]);
+        timeouts += 1;
+        if timeouts == 2 {
+            return;
+        }
     }
+    panic!("{timeouts} of 100 waits without patience were too long");
 }
 
 #[test]
