@@ -175,8 +175,8 @@ fn a_clip_begins_as_fast_as_it_goes_on() {
         let mut driver = Driver::new(&scene, &avatar).unwrap();
         let instance = &mut simulation.instances_mut()[0];
         driver.start(&avatar, instance);
-        if at_rest {
-            instance.set_state(instance.state.clone());
+        if !at_rest {
+            driver.launch(&avatar, instance);
         }
         driver.drive(scene.settings.time_step, instance).unwrap();
         simulation.step_blocking().unwrap();
