@@ -587,7 +587,7 @@ impl Simulation {
         self.motion.notes()
     }
 
-    /// A ball of this radius (m). `friction` is μ, `stiffness` in Pa/m (none: the tissue's own), contact begins at the distance `margin` (m).
+    /// A ball of this radius (m). `friction` is μ, `stiffness` in Pa/m (none: 1e8, or what the tissue says), contact begins at the distance `margin` (m).
     #[pyo3(signature = (radius, position, *, friction=0.0, stiffness=None, margin=0.0))]
     fn add_sphere(
         slf: &Bound<'_, Self>,

@@ -223,7 +223,7 @@ impl Collider {
     /// The stiffest penalty that nobody asked for, Pa/m: of skin without tissue, and of tissue that is stiffer or thinner.
     pub const STIFFEST: f64 = 1e8;
 
-    /// A collider that stands still: k is the tissue's, no margin, no friction, no body.
+    /// A collider that stands still: k is the tissue's, else [`Collider::STIFFEST`], no margin, no friction, no body.
     pub fn new(shape: Shape, frame: Frame) -> Self {
         Self {
             shape,

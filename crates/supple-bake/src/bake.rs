@@ -231,7 +231,9 @@ fn bake_phases(
         body_slots: 0,
     };
     soft.calibrate(&mut avatar, &cubature.tets, &base)?;
-    avatar.contact_stiffness = contact_stiffness(&avatar, &softness.depth);
+    if recipe.contact_by_tissue {
+        avatar.contact_stiffness = contact_stiffness(&avatar, &softness.depth);
+    }
     let mut handle_report = HandleReport::new(
         body,
         &avatar.handles,

@@ -121,8 +121,10 @@ fn contact_is_as_stiff_as_the_tissue_under_it() {
         )
         .unwrap();
         recipe.stiffness = vec![region(&format!("scale = {scale:?}"))];
+        recipe.contact_by_tissue = true;
         bake(&limb(), &recipe, &mut |_| {}).unwrap().0
     };
+    assert!(baked(Vec::new()).contact_stiffness.is_empty());
     let avatar = recipe(1.0);
     assert_eq!(avatar.contact_stiffness.len(), avatar.skin.len());
     let inside = |v: usize| (0.02..0.23).contains(&avatar.skin.position[v].x);
