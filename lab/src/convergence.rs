@@ -204,11 +204,11 @@ const QUADRATIC: f64 = 1e3;
 /// The contacts are known from here on, m.
 const KNOWN: f64 = 1e-4;
 
-/// C of e_{k+1} ≤ C e_k² once the contacts are known, for errors that are above rounding and whose squares would be, with
+/// C of e_{k+1} ≤ C e_k² once the contacts are known, for errors whose squares would be above rounding, with
 /// a C that is allowed; infinite where there is none.
 fn quadratic_rate(errors: &[f64]) -> f64 {
-    let known =
-        |e: &&[f64]| e[0] < KNOWN && QUADRATIC * e[0] * e[0] > ROUNDING && e[1] > 10.0 * ROUNDING;
+    // What is at rounding at once is within the bound too.
+    let known = |e: &&[f64]| e[0] < KNOWN && QUADRATIC * e[0] * e[0] > 10.0 * ROUNDING;
     let pairs = errors.windows(2).filter(known);
     let rate = pairs.map(|e| e[1] / (e[0] * e[0])).reduce(f64::max);
     rate.unwrap_or(f64::INFINITY)

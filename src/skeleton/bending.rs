@@ -1,9 +1,8 @@
-//! Springs and dampers of the rotation of a bone relative to its parent.
+//! Springs that keep the rotation of a bone relative to its parent.
 
-use super::damper::Damper;
 use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::term::{FrameHessian, FrameTerm, Residual};
-use crate::math::{rotation_log, skew};
+use crate::math::{rotation_exp, rotation_log, skew};
 use crate::model::{Frame, InertialTarget};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -16,12 +15,15 @@ pub struct Bending {
     pub rest_rotation: DMat3,
     /// k, N·m/rad.
     pub stiffness: f64,
-    /// d, N·m·s: against any motion relative to the parent.
+    /// d, N·m·s: against any rotation relative to the parent.
     #[serde(skip)]
     pub damping: f64,
 }
 
-/// E = ½ k |r|² + ½ d/h̃ |r − r̃|², r = log(R_pᵀ R_j R₀⁻¹).
+/// E = ½ k |r|², r = log(R_pᵀ R_j R₀⁻¹).
+///
+/// A damper is one with k = d/h̃ from the rotation Q̃ that the step takes velocities from: |log(Q Q̃ᵀ)| is what Q = R_pᵀ R_j turns
+/// in h̃, however far it is from rest.
 ///
 /// With R ← exp(\[δω\]) R: δr = J_l⁻¹(r) R_pᵀ (δω_j − δω_p).
 #[derive(Clone, Copy, Debug)]
@@ -30,28 +32,36 @@ pub struct BendingSpring {
     pub child: usize,
     /// p.
     pub parent: usize,
-    /// R₀, k and d.
+    /// R₀ and k.
     pub bending: Bending,
-    /// d/h̃ and r̃.
-    damper: Damper,
 }
 
 impl BendingSpring {
-    /// The term of `child` on `parent` in a step that starts from `current`.
-    pub fn new(
-        [child, parent]: [usize; 2],
-        bending: Bending,
+    /// The damper of `damping` d of `child` on `parent` in a step that starts from `current`: with Qⁿ and Qⁿ⁻¹ there and a
+    /// step before, Q̃ = exp(a₁ log(Qⁿ Qⁿ⁻¹ᵀ)) Qⁿ.
+    pub fn damper(
+        child: usize,
+        parent: usize,
+        damping: f64,
         current: &[Frame],
         inertia: &InertialTarget<'_>,
     ) -> Self {
-        let mut spring = Self {
+        let relative =
+            |frames: &[Frame]| frames[parent].rotation.transpose() * frames[child].rotation;
+        let mut from = relative(current);
+        if let ([before, ..], true) = (inertia.past, inertia.drift != 0.0) {
+            let turned = rotation_log(from * relative(&before.frames).transpose());
+            from = rotation_exp(turned * inertia.drift) * from;
+        }
+        Self {
             child,
             parent,
-            bending,
-            damper: Damper::NONE,
-        };
-        spring.damper = Damper::new(bending.damping, current, inertia, |f| spring.residual(f));
-        spring
+            bending: Bending {
+                rest_rotation: from,
+                stiffness: damping / inertia.step,
+                damping: 0.0,
+            },
+        }
     }
 
     /// r, rad.
@@ -66,7 +76,7 @@ impl BendingSpring {
 impl FrameTerm for BendingSpring {
     fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
         let (r, r0) = (self.residual(frames), self.residual(base));
-        self.damper.difference(self.bending.stiffness, r0, r)
+        0.5 * self.bending.stiffness * (r - r0).dot(r + r0)
     }
 
     fn add_derivatives(
@@ -80,14 +90,13 @@ impl FrameTerm for BendingSpring {
         let residual = Residual {
             jacobian: [(2 * self.child + 1, slope), (2 * self.parent + 1, -slope)],
         };
-        let k = self.bending.stiffness;
-        residual.add_gradient(self.damper.slope(k, r), gradient);
-        residual.add_hessian(self.damper.stiffness(k), hessian);
+        residual.add_gradient(self.bending.stiffness * r, gradient);
+        residual.add_hessian(self.bending.stiffness, hessian);
     }
 
     fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>) {
         let r = self.residual(frames);
-        let force = self.damper.slope(self.bending.stiffness, r);
+        let force = self.bending.stiffness * r;
         add_relative_curvature(
             [2 * self.child + 1, 2 * self.parent + 1],
             &frames[self.parent].rotation,

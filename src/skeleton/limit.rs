@@ -1,12 +1,11 @@
-//! Springs and dampers that keep joints within their ranges.
+//! Springs that keep joints within their ranges.
 
 use super::bending::add_relative_curvature;
-use super::damper::Damper;
 use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::swing_twist::SwingTwist;
 use super::term::{FrameHessian, FrameTerm, Residual};
 use crate::math::rotation_log;
-use crate::model::{Frame, InertialTarget, JointRange};
+use crate::model::{Frame, JointRange};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -20,12 +19,12 @@ pub struct JointLimit {
     pub range: JointRange,
     /// k, N·m/rad.
     pub stiffness: f64,
-    /// d/k, s: out of the range it damps too.
+    /// d/k, s: what begins a step out of its range is damped by d in it.
     #[serde(skip)]
     pub damping_time: f64,
 }
 
-/// E = ½ k |e|² + ½ d/h̃ |e − ẽ|² with Q = R_pᵀ R_j and what of it is out of its range:
+/// E = ½ k |e|² with Q = R_pᵀ R_j and what of it is out of its range:
 /// - of a box with axes A, e = s − clamp(s), s = Aᵀ log Q;
 /// - of a cone, e = ((β − β_max)₊, τ − clamp(τ)) with β, τ the swing and the twist of Q.
 ///
@@ -37,19 +36,17 @@ pub struct LimitSpring {
     pub child: usize,
     /// p.
     pub parent: usize,
-    /// The range, k and d/k.
+    /// The range and k.
     pub limit: JointLimit,
-    /// d/h̃ and ẽ.
-    damper: Damper,
 }
 
 /// What Q ← exp(\[ε\]) Q does to E at ε = 0.
 struct Local {
     /// ∂E/∂ε.
     torque: DVec3,
-    /// (k + d/h̃) Σ ∂e ∂eᵀ.
+    /// k Σ ∂e ∂eᵀ.
     gauss_newton: DMat3,
-    /// Σ (∂E/∂e) ∂²e.
+    /// k Σ e ∂²e.
     curvature: DMat3,
 }
 
@@ -63,26 +60,12 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 impl LimitSpring {
-    /// The term of `child` on `parent` in a step that starts from `current`.
-    pub fn new(
-        [child, parent]: [usize; 2],
-        limit: JointLimit,
-        current: &[Frame],
-        inertia: &InertialTarget<'_>,
-    ) -> Self {
-        let mut spring = Self {
-            child,
-            parent,
-            limit,
-            damper: Damper::NONE,
-        };
-        spring.damper = Damper::new(
-            limit.damping_time * limit.stiffness,
-            current,
-            inertia,
-            |frames| spring.excess(spring.relative(frames)),
-        );
-        spring
+    /// d of the damper that stops it in a step from `frames`, N·m·s; 0 within its range.
+    pub fn damping(&self, frames: &[Frame]) -> f64 {
+        match self.excess(self.relative(frames)) == DVec3::ZERO {
+            true => 0.0,
+            false => self.limit.damping_time * self.limit.stiffness,
+        }
     }
 
     fn relative(&self, frames: &[Frame]) -> DMat3 {
@@ -105,17 +88,15 @@ impl LimitSpring {
     }
 
     fn local(&self, relative: DMat3) -> Local {
-        let e = self.excess(relative);
-        // What is within its range does not resist.
-        let active = DVec3::select(e.cmpne(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
-        let force = active * self.damper.slope(self.limit.stiffness, e);
-        let k = self.damper.stiffness(self.limit.stiffness);
+        let (k, e) = (self.limit.stiffness, self.excess(relative));
         match self.limit.range {
             JointRange::Axes { axes, .. } => {
                 let r = rotation_log(relative);
                 let slope = inverse_left_jacobian(r);
-                let force = axes * force;
-                let stiffness = axes * DMat3::from_diagonal(active * k) * axes.transpose();
+                let force = k * (axes * e);
+                // Only axes that are out of range resist.
+                let active = DVec3::select(e.cmpne(DVec3::ZERO), DVec3::splat(k), DVec3::ZERO);
+                let stiffness = axes * DMat3::from_diagonal(active) * axes.transpose();
                 Local {
                     torque: slope.transpose() * force,
                     gauss_newton: slope.transpose() * stiffness * slope,
@@ -124,21 +105,18 @@ impl LimitSpring {
             }
             JointRange::Cone { axis, .. } => {
                 let now = SwingTwist::new(relative, axis);
-                let parts = [
-                    (active.x, force.x, now.swing_slope()),
-                    (active.y, force.y, now.twist_slope()),
-                ];
+                let parts = [(e.x, now.swing_slope()), (e.y, now.twist_slope())];
                 let curvatures = [now.swing_curvature(), now.twist_curvature()];
                 let mut local = Local {
                     torque: DVec3::ZERO,
                     gauss_newton: DMat3::ZERO,
                     curvature: DMat3::ZERO,
                 };
-                for ((active, force, slope), curvature) in parts.into_iter().zip(curvatures) {
-                    if active != 0.0 {
-                        local.torque += force * slope;
+                for ((e, slope), curvature) in parts.into_iter().zip(curvatures) {
+                    if e != 0.0 {
+                        local.torque += k * e * slope;
                         local.gauss_newton += outer(slope, slope) * k;
-                        local.curvature += curvature * force;
+                        local.curvature += curvature * (k * e);
                     }
                 }
                 local
@@ -151,7 +129,7 @@ impl FrameTerm for LimitSpring {
     fn difference(&self, base: &[Frame], frames: &[Frame]) -> f64 {
         let e = self.excess(self.relative(frames));
         let e0 = self.excess(self.relative(base));
-        self.damper.difference(self.limit.stiffness, e0, e)
+        0.5 * self.limit.stiffness * (e - e0).dot(e + e0)
     }
 
     fn add_derivatives(

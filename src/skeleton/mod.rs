@@ -12,8 +12,7 @@
 //! | `log_derivative` | derivatives of a rotation's logarithm |
 //! | `term` | the interface of a term, and what terms share |
 //! | `joint` | springs that hold joints together |
-//! | `damper` | what a damper adds to a spring |
-//! | `bending` | springs between the rotations of a bone and its parent |
+//! | `bending` | springs and dampers between the rotations of a bone and its parent |
 //! | `swing_twist` | a joint's rotation as swing and twist |
 //! | `limit` | springs that keep joints within their ranges |
 //! | `tracking` | springs and dampers to moving targets |
@@ -24,7 +23,6 @@
 
 pub(crate) mod bending;
 pub(crate) mod bone_inertia;
-mod damper;
 pub(crate) mod gravity;
 pub(crate) mod joint;
 pub(crate) mod limit;

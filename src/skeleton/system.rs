@@ -105,9 +105,9 @@ pub struct SkeletonEnergies {
     pub inertia: f64,
     /// Joint springs.
     pub joint: f64,
-    /// Bending springs and dampers.
+    /// Bending springs, and all dampers of joints.
     pub bending: f64,
-    /// Limits of joints, with their dampers.
+    /// Limits of joints.
     pub limit: f64,
     /// Springs and dampers of targets.
     pub tracking: f64,
@@ -136,6 +136,7 @@ pub struct SkeletonPotential {
     inertia: Vec<BoneInertia>,
     joints: Vec<JointSpring>,
     bending: Vec<BendingSpring>,
+    dampers: Vec<BendingSpring>,
     limits: Vec<LimitSpring>,
     tracking: Vec<TrackingSpring>,
     gravity: FrameGravity,
@@ -176,17 +177,32 @@ impl SkeletonPotential {
         };
         self.joints.extend(pairs.clone().map(joint));
         self.bending.clear();
-        let (current, inertia) = (start.current, &start.inertia);
-        let bending = |(child, parent): (usize, usize)| {
-            BendingSpring::new([child, parent], start.bending[child], current, inertia)
+        let bending = |(child, parent): (usize, usize)| BendingSpring {
+            child,
+            parent,
+            bending: start.bending[child],
         };
-        self.bending.extend(pairs.map(bending));
+        self.bending.extend(pairs.clone().map(bending));
         self.limits.clear();
         let limits = start.limits.iter().filter(|limit| moves(limit.bone));
         self.limits.extend(limits.filter_map(|&limit| {
-            let pair = [limit.bone, skeleton.parents[limit.bone]? as usize];
-            Some(LimitSpring::new(pair, limit, current, inertia))
+            Some(LimitSpring {
+                child: limit.bone,
+                parent: skeleton.parents[limit.bone]? as usize,
+                limit,
+            })
         }));
+        let (current, inertia) = (start.current, &start.inertia);
+        self.dampers.clear();
+        for (child, parent) in pairs {
+            let stopped = self.limits.iter().filter(|limit| limit.child == child);
+            let stopped: f64 = stopped.map(|limit| limit.damping(current)).sum();
+            let damping = start.bending[child].damping + stopped;
+            if damping > 0.0 {
+                let damper = BendingSpring::damper(child, parent, damping, current, inertia);
+                self.dampers.push(damper);
+            }
+        }
         self.tracking.clear();
         let target = |&target| TrackingSpring::new(target, start.current, &start.inertia);
         let targets = start.targets.iter().filter(|target| moves(target.bone));
@@ -251,7 +267,7 @@ impl SkeletonPotential {
         SkeletonEnergies {
             inertia: sum(&self.inertia, base, frames),
             joint: sum(&self.joints, base, frames),
-            bending: sum(&self.bending, base, frames),
+            bending: sum(&self.bending, base, frames) + sum(&self.dampers, base, frames),
             limit: sum(&self.limits, base, frames),
             tracking: sum(&self.tracking, base, frames),
             gravity: self.gravity.difference(base, frames),
@@ -297,6 +313,7 @@ impl SkeletonPotential {
         dynamic(&self.inertia)
             .chain(dynamic(&self.joints))
             .chain(dynamic(&self.bending))
+            .chain(dynamic(&self.dampers))
             .chain(dynamic(&self.limits))
             .chain(dynamic(&self.tracking))
             .chain(dynamic(std::slice::from_ref(&self.gravity)))

@@ -144,15 +144,16 @@ pub fn terms() -> Vec<Term> {
     closed[2].position = closed[0].transform(offset);
 
     let rest_rotation = random.rotation(0.8);
-    let bend = |damping| {
-        let bending = Bending {
+    let bending = BendingSpring {
+        child: 2,
+        parent: 1,
+        bending: Bending {
             rest_rotation,
             stiffness: 12.0,
-            damping,
-        };
-        BendingSpring::new([2, 1], bending, &current, &moving)
+            damping: 0.0,
+        },
     };
-    let (bending, damped_bending) = (bend(0.0), bend(0.3));
+    let damper = BendingSpring::damper(2, 1, 0.3, &current, &moving);
     let mut unbent = frames(random, 1.0, 0.02);
     unbent[2].rotation = unbent[1].rotation * rest_rotation;
 
@@ -199,7 +200,11 @@ pub fn terms() -> Vec<Term> {
             stiffness: 12.0,
             damping_time: 0.02,
         };
-        LimitSpring::new([2, 1], limit, &current, &moving)
+        LimitSpring {
+            child: 2,
+            parent: 1,
+            limit,
+        }
     };
     // Out of its range about two axes, within it about the third.
     let in_box = limit(JointRange::Axes {
@@ -240,7 +245,7 @@ pub fn terms() -> Vec<Term> {
         near_half_a_turn("limit of swing and twist", both, &round),
         term("joint", Some(closed), &|| Box::new(joint)),
         term("bending", Some(unbent), &|| Box::new(bending)),
-        term("bending, damped", None, &|| Box::new(damped_bending)),
+        term("damper of a joint", None, &|| Box::new(damper)),
         term("tracking of rotation, damped", None, &|| Box::new(rotation)),
         term("tracking of position, damped", None, &|| Box::new(position)),
         term("tracking", Some(on_target), &|| Box::new(undamped)),
