@@ -7,7 +7,7 @@ use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
 use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
-use supple::sim::{Simulation, SolverMode};
+use supple::sim::Simulation;
 use supple_scene::{Driver, Scene};
 
 /// How far apart the skins may be, m: a third of what is seen at arm's length, and the same as for the demo.
@@ -63,12 +63,7 @@ impl<P: Potential> Player<P> {
 }
 
 fn agree(name: &str) {
-    let mut scene = RUNNER.scene(name).unwrap();
-    // Whether a step is taken as modelled is decided at thresholds, and where two sides decide otherwise they are an iteration
-    // apart, which says nothing of kernels.
-    if let SolverMode::Budgeted { max_iterations } = &mut scene.settings.solver {
-        *max_iterations = 1;
-    }
+    let scene = RUNNER.scene(name).unwrap();
     let avatar = RUNNER.avatar_of(&scene).unwrap();
     let colliders = scene.collider_count();
     let reference = CpuPotential::new(avatar.clone(), 1).unwrap();
