@@ -52,7 +52,7 @@ pub fn awake_space(
         return Err(Error::invalid("awake", problem));
     }
     let first = avatar.handles.len() as u32;
-    let at_node = |(coarse, fine): (&[(u32, DMat3)], &[(u32, [f32; 9])])| {
+    let at_node = |coarse: &[(u32, DMat3)], fine: &[(u32, [f32; 9])]| {
         let mut row = coarse.to_vec();
         for (h, n) in fine {
             if let Ok(slot) = awake.binary_search(h) {
@@ -64,7 +64,9 @@ pub fn awake_space(
     };
     let nodes = match fine.is_empty() {
         true => coarse.clone(),
-        false => coarse.iter().zip(fine.nodes.iter()).map(at_node).collect(),
+        false => (coarse.iter().zip(fine.nodes.iter()))
+            .map(|(coarse, fine)| at_node(coarse, fine))
+            .collect(),
     };
     let mut handles = avatar.handles.clone();
     handles.extend(awake.iter().map(|&h| fine.positions[h as usize]));

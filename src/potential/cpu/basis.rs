@@ -203,6 +203,10 @@ impl From<&BasisEntry> for GeneralBasis {
 
 /// A number or a block: coarse handles beside fine ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "rows of points are walked in order: a box would be a jump for each"
+)]
 pub enum Mixed {
     /// N = U I.
     Scalar(BasisEntry),

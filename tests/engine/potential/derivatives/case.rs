@@ -37,7 +37,7 @@ fn colliders(random: &mut Random) -> Vec<Collider> {
         };
         Collider {
             // Every other one takes the tissue's.
-            stiffness: (shape.index() % 2 == 0).then_some(1e6),
+            stiffness: shape.index().is_multiple_of(2).then_some(1e6),
             margin: 4e-3,
             ..Collider::new(shape, frame)
         }

@@ -211,7 +211,7 @@ fn futures_may_go_to_other_threads() {
     is_send(on_cpu.end_step(&states, &[true], &mut ends));
     is_send(on_cpu.pose_skin(&states, &[], &[]));
     is_send(on_cpu.read_skin(0, &mut positions, &mut normals));
-    is_send(supple::gpu::GpuDevice::open(Default::default()));
+    is_send(GpuDevice::open(Default::default()));
     let (device, law) = (&gpu.device, &avatar.material);
     is_send(supple::potential::GpuKernels::compile(device, law, None));
 }
