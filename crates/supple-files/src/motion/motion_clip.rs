@@ -62,7 +62,7 @@ impl MotionClip {
             .step_by(self.frames.len().div_ceil(100).max(1))
     }
 
-    /// The pose at `time`, s from the first frame: cubic in between ([`cubic`](super::cubic)), since a body that is drawn along
+    /// The pose at `time`, s from the first frame: cubic in between, since a body that is drawn along
     /// chords is struck at each frame and its tissue rings. It stands still before the first frame and after the last.
     pub fn sample(&self, time: f64) -> MotionFrame {
         let last = self.frames.len().saturating_sub(1);
