@@ -325,7 +325,6 @@ impl Simulation {
     /// Springs draw all bones to poses, which give way to what they meet. Poses are as for follow(); rotation: stiffness and
     /// damping, N·m/rad and N·m·s; position: N/m and N·s/m.
     #[pyo3(signature = (poses, trans=None, *, fps=None, options=None, rotation=None, position=None))]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn track<'py>(
         slf: &Bound<'py, Self>,
         poses: &Bound<'_, PyAny>,
@@ -664,7 +663,6 @@ impl Simulation {
 
     /// A box of this `size` (three extents, m). Rotations are matrices or rotation vectors (rad).
     #[pyo3(signature = (size, position, rotation=None, *, friction=0.0, stiffness=None, margin=0.0))]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
     fn add_box(
         slf: &Bound<'_, Self>,
         size: &Bound<'_, PyAny>,
