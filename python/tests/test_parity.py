@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[2]
 SCENE = """
 name = "parity"
 steps = 40
+settle = false
 
 [avatar]
 sample = "finger"
