@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use supple::glam::{DMat3, DVec3};
 use supple::model::Frame;
 use supple::sim::{InstanceReport, StepEnergies, Stop, Timings};
-use supple_files::{ENERGY_NAMES, energy_terms, loads_by_bone};
+use supple_files::{ENERGY_NAMES, ENERGY_TERMS, energy_terms, loads_by_bone};
 
 /// What a step ended with, copied out of the simulation.
 #[derive(Clone, Default)]
@@ -32,7 +32,7 @@ impl Snapshot {
     }
 
     /// In the order of [`ENERGY_NAMES`].
-    pub fn energies(&self) -> [f64; 12] {
+    pub fn energies(&self) -> [f64; ENERGY_TERMS] {
         energy_terms(&StepEnergies {
             tissue: self.report.energies,
             skeleton: self.report.skeleton_energies,

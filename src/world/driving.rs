@@ -79,7 +79,6 @@ impl Character {
             target.frame = frame;
             (target.rotation, target.position) = (Some(rotation), Some(position));
         }
-        instance.preload = Preload::Targets;
         self.drive_by(Driving::Tracked);
         Ok(())
     }
@@ -133,10 +132,20 @@ impl Character {
 
     /// What moves the bones from now on; before the first step it says where they start as well.
     fn drive_by(&mut self, driving: Driving) {
-        self.driving = driving;
+        self.set_driving(driving);
         if self.fresh {
             self.reset();
         }
+    }
+
+    /// Says what moves the bones, and so whose springs carry their weight.
+    fn set_driving(&mut self, driving: Driving) {
+        self.driving = driving;
+        self.instance.preload = match driving {
+            Driving::Held => Preload::Pose,
+            Driving::Followed | Driving::Tracked => Preload::Targets,
+            Driving::Ragdoll => Preload::Off,
+        };
     }
 
     /// The root is held where it was put, and springs keep the bind pose: so a character stands of which nothing else is
@@ -153,8 +162,7 @@ impl Character {
         for (bending, spring) in instance.bending.iter_mut().zip(&*self.pose_springs) {
             (bending.stiffness, bending.damping) = (spring.stiffness, spring.damping);
         }
-        instance.preload = Preload::Pose;
-        self.driving = Driving::Held;
+        self.set_driving(Driving::Held);
     }
 
     /// Nothing drives it: it falls. Joints keep their ranges, and bend against springs of `bending_stiffness`, N·m/rad, and
@@ -174,8 +182,7 @@ impl Character {
         for (bending, spring) in instance.bending.iter_mut().zip(&*self.pose_springs) {
             (bending.stiffness, bending.damping) = (bending_stiffness, spring.relaxed_damping);
         }
-        instance.preload = Preload::Off;
-        self.driving = Driving::Ragdoll;
+        self.set_driving(Driving::Ragdoll);
         Ok(())
     }
 }

@@ -51,7 +51,8 @@ pub use obj::{parse_obj, read_closed_obj, read_obj, write_obj};
 pub use painted::{read_painted, write_painted};
 pub use pose_stream::{PoseParser, PoseReader, clip_as_poses, pose_header_line, pose_line};
 pub use series::{
-    ENERGY_NAMES, Series, energy_terms, loads_by_bone, parse_series, read_series, write_series,
+    ENERGY_NAMES, ENERGY_TERMS, Series, energy_terms, loads_by_bone, parse_series, read_series,
+    write_series,
 };
 pub use smpl::{HandPose, SmplKind, SmplModel, parse_smpl, read_smpl, read_smpl_model, write_smpl};
 pub use solid::solid_surface;

@@ -46,9 +46,10 @@ fn a_world_of_one_is_a_simulation() -> Result<()> {
         let instance = &mut simulation.instances_mut()[0];
         instance.pins.clear();
         instance.pins.push(Pin { bone: 0, frame });
-        simulation.step_blocking()?;
+        let report = simulation.step_blocking()?.instances.remove(0);
         let instance = &simulation.instances()[0];
         assert_eq!(world.instance(key)?.state(), &instance.state, "step {step}");
+        assert_eq!(world.instance(key)?.report().loads, report.loads);
         contacts += world.instance(key)?.report().contacts;
     }
     assert!(contacts > 0);

@@ -7,8 +7,8 @@
 //! | `displacement` | steps × vertices × 3 | how far tissue is off the skinned shape, before the pose, m |
 //! | `contact_force` | steps × vertices × 3 | contact and friction on each vertex, N, world axes |
 //! | `loads` | steps × bones × 6 | force (N) and torque (N·m) that targets and pins exert on each bone |
-//! | `energies` | steps × 12 | E(q) − E(qⁿ) of each step term by term, J |
-//! | `energy_names` | 12 | what these terms are |
+//! | `energies` | steps × 13 | E(q) − E(qⁿ) of each step term by term, J |
+//! | `energy_names` | 13 | what these terms are |
 //! | `faces` | faces × 3 | triangles of the skin |
 //! | `bone_names` | bones | |
 //!
@@ -23,8 +23,11 @@ pub use write::write_series;
 use glam::DVec3;
 use supple::sim::{Load, StepEnergies};
 
+/// Number of the terms of [`StepEnergies`].
+pub const ENERGY_TERMS: usize = 13;
+
 /// Names of the terms of [`StepEnergies`], the tissue's before the skeleton's.
-pub const ENERGY_NAMES: [&str; 12] = [
+pub const ENERGY_NAMES: [&str; ENERGY_TERMS] = [
     "inertia",
     "gravity",
     "elastic",
@@ -37,10 +40,11 @@ pub const ENERGY_NAMES: [&str; 12] = [
     "limit",
     "tracking",
     "bone_gravity",
+    "preload",
 ];
 
 /// The terms of `energies`, J, in the order of [`ENERGY_NAMES`].
-pub fn energy_terms(energies: &StepEnergies) -> [f64; 12] {
+pub fn energy_terms(energies: &StepEnergies) -> [f64; ENERGY_TERMS] {
     let (tissue, skeleton) = (&energies.tissue, &energies.skeleton);
     [
         tissue.inertia,
@@ -55,6 +59,7 @@ pub fn energy_terms(energies: &StepEnergies) -> [f64; 12] {
         skeleton.limit,
         skeleton.tracking,
         skeleton.gravity,
+        skeleton.preload,
     ]
 }
 
@@ -86,7 +91,7 @@ pub struct Series {
     /// Of each step, bone after bone: force, N, and torque, N·m.
     pub loads: Vec<[f64; 6]>,
     /// Of each step, in the order of [`ENERGY_NAMES`], J.
-    pub energies: Vec<[f64; 12]>,
+    pub energies: Vec<[f64; ENERGY_TERMS]>,
     /// Triangles of the skin.
     pub faces: Vec<[u32; 3]>,
     /// Bones.

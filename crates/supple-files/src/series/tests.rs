@@ -17,7 +17,7 @@ fn example() -> Series {
             [0.5; 6],
             [-1.0; 6],
         ],
-        energies: vec![std::array::from_fn(|k| k as f64), [1e-9; 12]],
+        energies: vec![std::array::from_fn(|k| k as f64), [1e-9; ENERGY_TERMS]],
         faces: vec![[0, 1, 2]],
         bone_names: vec!["root".into(), "tip".into()],
     }

@@ -207,7 +207,7 @@ pub fn series() -> Format {
         displacement: vec![DVec3::Y; 3],
         contact_force: vec![DVec3::Z; 3],
         loads: vec![[1.0; 6]],
-        energies: vec![[0.5; 12]],
+        energies: vec![[0.5; motion::ENERGY_TERMS]],
         faces: vec![[0, 1, 2]],
         bone_names: vec!["root".into()],
     };
