@@ -19,6 +19,14 @@ pub struct Contact {
 }
 
 impl Contact {
+    pub fn new(friction: f64, stiffness: Option<f64>, margin: f64) -> Self {
+        Self {
+            friction,
+            stiffness,
+            margin,
+        }
+    }
+
     pub fn collider(self, shape: Shape, frame: Frame) -> supple::collider::Collider {
         supple::collider::Collider {
             friction: self.friction,

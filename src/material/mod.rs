@@ -115,13 +115,24 @@ impl Material {
         }
     }
 
+    /// E, Pa, and ν of small strains, of its isotropic part.
+    fn elastic_constants(&self) -> (f64, f64) {
+        match self {
+            Self::StableNeoHookean(m) => (m.youngs_modulus, m.poissons_ratio),
+            Self::Orthotropic(m) => (m.youngs_modulus, m.poissons_ratio),
+            Self::FungNeoHookean(m) => (m.youngs_modulus, m.poissons_ratio),
+        }
+    }
+
     /// E, Pa: Young's modulus of small strains, of its isotropic part.
     pub fn youngs_modulus(&self) -> f64 {
-        match self {
-            Self::StableNeoHookean(m) => m.youngs_modulus,
-            Self::Orthotropic(m) => m.youngs_modulus,
-            Self::FungNeoHookean(m) => m.youngs_modulus,
-        }
+        self.elastic_constants().0
+    }
+
+    /// G = E/(2 (1 + ν)), Pa, of small strains, of its isotropic part.
+    pub fn shear_modulus(&self) -> f64 {
+        let (e, nu) = self.elastic_constants();
+        e / (2.0 * (1.0 + nu))
     }
 
     /// The material where the tissue is `local`.

@@ -5,7 +5,6 @@ use super::report::Timings;
 use super::settings::{Settings, SolverMode};
 use super::simulation::Simulation;
 use crate::Result;
-use crate::math::rotation_log;
 use crate::model::{History, Integrator, State};
 use crate::potential::Potential;
 
@@ -13,8 +12,8 @@ use crate::potential::Potential;
 pub(crate) const TIME_STEP: f64 = 1.0;
 
 /// m.
-pub(crate) const STILL: f64 = 1e-8;
-pub(crate) const MOST_STEPS: usize = 50;
+const STILL: f64 = 1e-8;
+const MOST_STEPS: usize = 50;
 
 /// The settings of a step without inertia: each begins at rest and is solved to the end.
 pub(crate) fn settings(of: &Settings) -> Settings {
@@ -30,8 +29,42 @@ pub(crate) fn settings(of: &Settings) -> Settings {
     }
 }
 
+/// Steps until none moves anything any more.
+pub(crate) struct Settling {
+    steps: usize,
+    /// How far anything moved in the last one, m.
+    pub moved: f64,
+}
+
+impl Settling {
+    /// Before the first.
+    pub fn new() -> Self {
+        Self {
+            steps: 0,
+            moved: f64::INFINITY,
+        }
+    }
+
+    /// Whether there is another.
+    pub fn goes_on(&mut self) -> bool {
+        let goes_on = self.steps < MOST_STEPS && self.moved > STILL;
+        if goes_on {
+            self.steps += 1;
+            self.moved = 0.0;
+        }
+        goes_on
+    }
+
+    /// Takes an instance in that has made the step, and puts it at rest.
+    pub fn take(&mut self, instance: &mut Instance) {
+        let moved = moved(instance.history.previous(), &instance.state);
+        self.moved = self.moved.max(moved);
+        rest(instance);
+    }
+}
+
 /// Where an instance is now it has been all the time.
-pub(crate) fn rest(instance: &mut Instance) {
+fn rest(instance: &mut Instance) {
     instance.history.rest(&instance.state);
     instance.targets.iter_mut().for_each(|target| target.rest());
     for collider in &mut instance.colliders {
@@ -40,10 +73,10 @@ pub(crate) fn rest(instance: &mut Instance) {
 }
 
 /// How far anything moved from one state to the other: joints and handles, m, and what is a metre off a joint.
-pub(crate) fn moved(before: &State, after: &State) -> f64 {
+fn moved(before: &State, after: &State) -> f64 {
     let frames = before.frames.iter().zip(&after.frames).map(|(a, b)| {
-        let turned = rotation_log(a.rotation.transpose() * b.rotation).length();
-        turned.max(a.position.distance(b.position))
+        let (shift, turn) = a.motion_to(b);
+        turn.length().max(shift.length())
     });
     let handles = before.handles.iter().zip(&after.handles);
     let handles = handles.map(|(a, b)| a.distance(*b));
@@ -119,19 +152,13 @@ impl<P: Potential> Simulation<P> {
     }
 
     async fn settle_instances(&mut self) -> Result<f64> {
-        let mut last = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            if last <= STILL {
-                break;
-            }
+        let mut settling = Settling::new();
+        while settling.goes_on() {
             (self.substep(true, &mut Timings::default(), &mut |_| ())).await?;
-            last = 0.0;
-            for instance in self.instances.iter_mut().filter(|instance| instance.active) {
-                last = moved(instance.history.previous(), &instance.state).max(last);
-                rest(instance);
-            }
+            let active = self.instances.iter_mut().filter(|instance| instance.active);
+            active.for_each(|instance| settling.take(instance));
         }
-        Ok(last)
+        Ok(settling.moved)
     }
 
     /// [`Simulation::settle`] on this thread until it is done.

@@ -1,7 +1,7 @@
 //! Springs that keep the rotation of a bone relative to its parent.
 
 use super::log_derivative::{inverse_left_jacobian, log_curvature};
-use super::term::{FrameHessian, FrameTerm, Residual};
+use super::term::{FrameHessian, FrameTerm, Residual, relative_rotation};
 use crate::math::{rotation_exp, rotation_log, skew};
 use crate::model::{Frame, InertialTarget};
 use glam::{DMat3, DVec3};
@@ -46,8 +46,7 @@ impl BendingSpring {
         current: &[Frame],
         inertia: &InertialTarget<'_>,
     ) -> Self {
-        let relative =
-            |frames: &[Frame]| frames[parent].rotation.transpose() * frames[child].rotation;
+        let relative = |frames: &[Frame]| relative_rotation(frames, parent, child);
         let mut from = relative(current);
         if let ([before, ..], true) = (inertia.past, inertia.drift != 0.0) {
             let turned = rotation_log(from * relative(&before.frames).transpose());
@@ -66,10 +65,8 @@ impl BendingSpring {
 
     /// r, rad.
     fn residual(&self, frames: &[Frame]) -> DVec3 {
-        let (parent, child) = (&frames[self.parent], &frames[self.child]);
-        rotation_log(
-            parent.rotation.transpose() * child.rotation * self.bending.rest_rotation.transpose(),
-        )
+        let relative = relative_rotation(frames, self.parent, self.child);
+        rotation_log(relative * self.bending.rest_rotation.transpose())
     }
 }
 

@@ -135,9 +135,7 @@ impl FrameGravity {
             tissue.add_to(factor, &mut self.moments, current, offsets);
         }
     }
-}
 
-impl FrameGravity {
     /// The weight of bone `j`, N, and its moment about the joint where the bone has this `rotation`, N·m.
     pub(super) fn wrench(&self, j: usize, rotation: &DMat3) -> (DVec3, DVec3) {
         // Frames that stand for bodies of a world have none.

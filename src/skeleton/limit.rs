@@ -3,7 +3,7 @@
 use super::bending::add_relative_curvature;
 use super::log_derivative::{inverse_left_jacobian, log_curvature};
 use super::swing_twist::SwingTwist;
-use super::term::{FrameHessian, FrameTerm, Residual};
+use super::term::{FrameHessian, FrameTerm, Residual, relative_rotation};
 use crate::math::rotation_log;
 use crate::model::{Frame, JointRange};
 use glam::{DMat3, DVec3};
@@ -69,7 +69,7 @@ impl LimitSpring {
     }
 
     fn relative(&self, frames: &[Frame]) -> DMat3 {
-        frames[self.parent].rotation.transpose() * frames[self.child].rotation
+        relative_rotation(frames, self.parent, self.child)
     }
 
     /// e: three parts of a box, swing and twist of a cone.

@@ -212,11 +212,21 @@ impl SkeletonPotential {
         let of_bones = tissue.filter(|_| model.captured_under_gravity);
         (self.gravity).restart(gravity, &model.moments, of_bones, current, offsets);
         self.preload.clear();
-        if start.preload != Preload::Off {
-            (self.weight).restart(gravity, &model.moments, tissue, current, offsets);
+        let holds = match start.preload {
+            Preload::Off => false,
+            Preload::Targets => !start.targets.is_empty(),
+            Preload::Pose => true,
+        };
+        if holds {
             self.hold(skeleton, start);
+            let weight = match model.captured_under_gravity {
+                true => &self.gravity,
+                false => {
+                    (self.weight).restart(gravity, &model.moments, tissue, current, offsets);
+                    &self.weight
+                }
+            };
             let held = self.held.iter().enumerate().filter(|(j, _)| moves(*j));
-            let weight = &self.weight;
             let preloaded = held.filter_map(|(j, held)| PreloadedBone::new(j, held, weight));
             self.preload.extend(preloaded);
         }

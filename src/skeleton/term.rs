@@ -23,6 +23,11 @@ pub trait FrameTerm {
     fn add_geometric(&self, frames: &[Frame], hessian: &mut FrameHessian<'_>);
 }
 
+/// R_pᵀ R_j: how a bone is turned as its parent sees it.
+pub(super) fn relative_rotation(frames: &[Frame], parent: usize, child: usize) -> DMat3 {
+    frames[parent].rotation.transpose() * frames[child].rotation
+}
+
 /// The symmetric C with f · x″ = ωᵀCω at t = 0, where x(t) = exp(t\[ω\]) a: ½ (f aᵀ + a fᵀ) − (f·a) I.
 pub fn rotation_curvature(f: DVec3, a: DVec3) -> DMat3 {
     let outer = DMat3::from_cols(f * a.x, f * a.y, f * a.z);

@@ -118,14 +118,19 @@ impl World {
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
         let time_step = self.settings.time_step;
-        self.settings = Settings {
+        self.put_settings(Settings {
             time_step,
             ..settings
-        };
-        for batch in &mut self.batches {
-            batch.physics.settings = self.settings;
-        }
+        });
         Ok(())
+    }
+
+    /// Other constants, of all assets too.
+    pub(super) fn put_settings(&mut self, settings: Settings) {
+        self.settings = settings;
+        for batch in &mut self.batches {
+            batch.physics.settings = settings;
+        }
     }
 
     /// The constants; the time step in them is the last step's, s.

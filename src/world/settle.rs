@@ -1,6 +1,5 @@
 //! Equilibrium of a whole world.
 
-use super::character::Character;
 use super::contents::World;
 use crate::Result;
 use crate::sim::{Timings, settle};
@@ -15,7 +14,7 @@ impl World {
     /// As [`World::step`]; all characters then are as they were.
     pub async fn settle(&mut self) -> Result<f64> {
         let usual = self.settings;
-        self.set_all(settle::settings(&usual));
+        self.put_settings(settle::settings(&usual));
         let mut before = Vec::new();
         for batch in &mut self.batches {
             let parents = &batch.avatar.skeleton.parents[..batch.avatar.bones()];
@@ -25,7 +24,7 @@ impl World {
             }
         }
         let done = self.settle_characters().await;
-        self.set_all(usual);
+        self.put_settings(usual);
         let batches = self.batches.iter_mut();
         let characters = batches.flat_map(|b| b.characters.iter_mut().map(|c| (c, &b.avatar)));
         for ((character, avatar), before) in characters.zip(before) {
@@ -37,29 +36,15 @@ impl World {
     }
 
     async fn settle_characters(&mut self) -> Result<f64> {
-        let mut last = f64::INFINITY;
-        for _ in 0..settle::MOST_STEPS {
-            if last <= settle::STILL {
-                break;
-            }
+        let mut settling = settle::Settling::new();
+        while settling.goes_on() {
             let timings = &mut Timings::default();
             (self.substep(settle::TIME_STEP, false, true, timings)).await?;
-            last = 0.0;
-            for character in self.batches.iter_mut().flat_map(|b| &mut b.characters) {
-                let Character { instance, .. } = character;
-                last = settle::moved(instance.history.previous(), &instance.state).max(last);
-                settle::rest(instance);
-            }
+            let characters = self.batches.iter_mut().flat_map(|b| &mut b.characters);
+            characters.for_each(|character| settling.take(&mut character.instance));
         }
         self.posed = true;
-        Ok(last)
-    }
-
-    fn set_all(&mut self, settings: crate::sim::Settings) {
-        self.settings = settings;
-        for batch in &mut self.batches {
-            batch.physics.settings = settings;
-        }
+        Ok(settling.moved)
     }
 
     /// [`World::settle`] on this thread until it is done.

@@ -1,24 +1,22 @@
 //! An avatar in time.
 
-use crate::arrays::{Length, finite, matrix, triangles};
+mod driving;
+mod touching;
+
+use crate::arrays::triangles;
 use crate::avatar::{Avatar, up_axis};
-use crate::collider::{self, Collider};
-use crate::error::{OrRaise, invalid, to_python};
-use crate::motion::{Grip, Motion, drive};
+use crate::error::{OrRaise, invalid};
+use crate::motion::{Grip, Motion};
 use crate::potential::Potential;
 use crate::result::{Clip, Kept, Snapshot, Stack, StepResult};
 use crate::settings::Options;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
-use std::path::PathBuf;
+use pyo3::types::PyDict;
 use supple::World;
-use supple::collider::Shape;
-use supple::glam::{DVec3, Mat4};
+use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::{Frame, UpAxis};
-use supple::skeleton::Spring;
 use supple::world::{Backend, Character, ColliderId, InstanceId};
-use supple_scene::TrackedMotion;
 
 /// An avatar in time.
 ///
@@ -51,94 +49,6 @@ impl Simulation {
 
     fn character_mut(&mut self) -> PyResult<&mut Character> {
         self.world.instance_mut(self.instance).or_raise()
-    }
-
-    /// Follows `motion` from its start on.
-    fn begin(&mut self, motion: Motion, grip: Grip) -> PyResult<()> {
-        if let Some(frames) = motion.frames(0.0) {
-            drive(self.character_mut()?, &frames, grip).or_raise()?;
-        }
-        (self.motion, self.grip) = (motion, grip);
-        self.motion_time = 0.0;
-        Ok(())
-    }
-
-    /// What `poses` are: a file's motion, or numbers.
-    fn motion_of(
-        &self,
-        py: Python<'_>,
-        poses: &Bound<'_, PyAny>,
-        trans: Option<&Bound<'_, PyAny>>,
-        fps: Option<f64>,
-        options: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Motion> {
-        if let Some(fps) = fps.filter(|f| !(*f > 0.0 && f.is_finite())) {
-            return Err(invalid(
-                "fps",
-                format!("{fps}; must be positive (frames a second)"),
-            ));
-        }
-        let character = self.character()?;
-        let is_path = poses.is_instance_of::<PyString>() || poses.hasattr("__fspath__")?;
-        if is_path {
-            if trans.is_some() {
-                return Err(invalid("trans", "is in the file: leave it out"));
-            }
-            let path: PathBuf = poses.extract()?;
-            let standing = match self.at_rest {
-                true => &self.bind[..],
-                false => character.frames(),
-            };
-            return Motion::open(path, fps, options, character.avatar(), self.up, standing);
-        }
-        if options.is_some() {
-            return Err(invalid("options", "are for files of motions"));
-        }
-        let order = &self.avatar.get().order;
-        let (poses, frames, single) = order.read(poses, "poses")?;
-        let trans = order.read_trans(trans, frames, single)?;
-        let clip = py.detach(|| {
-            let rate = fps.unwrap_or(1.0);
-            order.clip(character.avatar(), &poses, &trans, rate.recip())
-        })?;
-        Ok(match (single, fps) {
-            (true, _) => Motion::Frames(clip.world_frames(&clip.sample(0.0))),
-            (false, Some(_)) => Motion::Poses(Box::new(clip)),
-            (false, None) => Motion::Steps(Box::new(clip)),
-        })
-    }
-
-    /// Says where the bones go in the step to come, and what the pose adds to the skin.
-    fn drive(&mut self, py: Python<'_>, dt: f64) -> PyResult<()> {
-        let (started, time) = (self.at_rest, self.motion_time + self.motion.advance(dt));
-        let frames = self.motion.frames(time);
-        let (instance, grip) = (self.instance, self.grip);
-        if let Some(frames) = &frames {
-            // On the way from the first moment on, as the motion is: a start from rest would be a blow.
-            let begins = started && self.motion.moves();
-            let character = self.world.instance_mut(instance).or_raise()?;
-            match begins {
-                true => character.begin_moving(frames, dt).or_raise()?,
-                false => drive(character, frames, grip).or_raise()?,
-            }
-        }
-        let avatar = self.avatar.get();
-        let Some(offsets) = &avatar.pose_offsets else {
-            return Ok(());
-        };
-        let character = self.character()?;
-        let posed = frames.as_deref().unwrap_or_else(|| character.frames());
-        let pose = avatar.order.pose_of(&avatar.inner, posed);
-        let given = offsets.bind(py).call1((matrix(py, pose, 3)?,))?;
-        let count = avatar.inner.offset_vertices();
-        let shape: [Length<'_>; 2] = [(Some(count), "V"), (Some(3), "")];
-        let given = finite(&given, "pose_offsets", &shape)?.values;
-        let offset = |v: usize| {
-            let at = 3 * avatar.file_vertex(v);
-            [given[at] as f32, given[at + 1] as f32, given[at + 2] as f32]
-        };
-        let offsets: Vec<[f32; 3]> = (0..count).map(offset).collect();
-        self.character_mut()?.set_pose_offsets(&offsets).or_raise()
     }
 
     /// A step without the GIL.
@@ -201,21 +111,6 @@ impl Simulation {
         self.options = options;
         Ok(())
     }
-
-    /// Adds a collider, which a handle names.
-    fn add(
-        slf: &Bound<'_, Self>,
-        shape: Shape,
-        frame: Frame,
-        contact: collider::Contact,
-    ) -> PyResult<Collider> {
-        let mut sim = slf.try_borrow_mut()?;
-        let collider = contact.collider(shape, frame);
-        let id = sim.world.add_collider(collider).or_raise()?;
-        sim.colliders.push(id);
-        drop(sim);
-        Ok(Collider::new(slf.clone().unbind(), id))
-    }
 }
 
 const ALL: Kept = Kept {
@@ -223,20 +118,6 @@ const ALL: Kept = Kept {
     displacements: true,
     contact_forces: true,
 };
-
-/// A spring of a pair (stiffness, damping).
-fn spring(pair: Option<(f64, f64)>, default: Spring, field: &str) -> PyResult<Spring> {
-    let Some((stiffness, damping)) = pair else {
-        return Ok(default);
-    };
-    if !(stiffness >= 0.0 && damping >= 0.0 && (stiffness + damping).is_finite()) {
-        return Err(invalid(
-            field,
-            "stiffness and damping must be zero or positive",
-        ));
-    }
-    Ok(Spring { stiffness, damping })
-}
 
 #[pymethods]
 impl Simulation {
@@ -297,111 +178,6 @@ impl Simulation {
         };
         this.apply(options)?;
         Ok(this)
-    }
-
-    /// All bones follow poses exactly. Returns the simulation itself.
-    ///
-    /// poses: rotation vectors (rad) of the joints of `avatar.pose_names` relative to their parents, as SMPL has them: T × J × 3
-    /// or T × 3J of a clip with fps poses a second (without fps each step takes the next pose); J × 3 or 3J of one pose, where
-    /// the bones are at the end of the next step. trans: T × 3 or 3, m, of the root from its place in the bind pose. Or the path
-    /// of a motion (.npz of AMASS, .bvh, .glb, .vrma), whose bones are mapped by their names; options are then keys of a
-    /// scene's [motion], as {"map": {"LeftUpLeg": "thigh_l"}, "clip": "walk"}. What is followed before the
-    /// first step, or after reset(), is where it starts.
-    #[pyo3(signature = (poses, trans=None, *, fps=None, options=None))]
-    fn follow<'py>(
-        slf: &Bound<'py, Self>,
-        poses: &Bound<'_, PyAny>,
-        trans: Option<&Bound<'_, PyAny>>,
-        fps: Option<f64>,
-        options: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Bound<'py, Self>> {
-        let mut sim = slf.try_borrow_mut()?;
-        let motion = sim.motion_of(slf.py(), poses, trans, fps, options)?;
-        sim.begin(motion, Grip::Exact)?;
-        drop(sim);
-        Ok(slf.clone())
-    }
-
-    /// Springs draw all bones to poses, which give way to what they meet. Poses are as for follow(); rotation: stiffness and
-    /// damping, N·m/rad and N·m·s; position: N/m and N·s/m.
-    #[pyo3(signature = (poses, trans=None, *, fps=None, options=None, rotation=None, position=None))]
-    fn track<'py>(
-        slf: &Bound<'py, Self>,
-        poses: &Bound<'_, PyAny>,
-        trans: Option<&Bound<'_, PyAny>>,
-        fps: Option<f64>,
-        options: Option<&Bound<'_, PyDict>>,
-        rotation: Option<(f64, f64)>,
-        position: Option<(f64, f64)>,
-    ) -> PyResult<Bound<'py, Self>> {
-        let mut sim = slf.try_borrow_mut()?;
-        let usual = TrackedMotion::default();
-        let rotation = spring(rotation, usual.rotation, "rotation")?;
-        let position = spring(position, usual.position, "position")?;
-        let motion = sim.motion_of(slf.py(), poses, trans, fps, options)?;
-        sim.begin(motion, Grip::Springs(rotation, position))?;
-        drop(sim);
-        Ok(slf.clone())
-    }
-
-    /// All bones follow 4 × 4 world matrices (acting on columns) of the file's joints, one for each of the file: what a game
-    /// has. They are where the bones are at the end of the next step.
-    fn follow_matrices<'py>(
-        slf: &Bound<'py, Self>,
-        matrices: &Bound<'_, PyAny>,
-    ) -> PyResult<Bound<'py, Self>> {
-        let mut sim = slf.try_borrow_mut()?;
-        let avatar = sim.avatar.get().inner.clone();
-        let four = (Some(4), "");
-        let shape = [(Some(avatar.joints.len()), "J"), four, four];
-        let found = finite(matrices, "matrices", &shape)?;
-        // numpy's rows are glam's columns of the transpose.
-        let of_rows = |m: &[f64]| Mat4::from_cols_array(&std::array::from_fn(|k| m[k] as f32));
-        let joints = found
-            .values
-            .chunks_exact(16)
-            .map(|m| of_rows(m).transpose());
-        let joints: Vec<Mat4> = joints.collect();
-        let mut frames = Vec::new();
-        let skeleton = &avatar.skeleton;
-        (avatar.joints)
-            .frames_from_world(skeleton, &joints, &mut frames)
-            .or_raise()?;
-        sim.begin(Motion::Frames(frames), Grip::Exact)?;
-        drop(sim);
-        Ok(slf.clone())
-    }
-
-    /// The root is held, springs keep the bind pose: what is done where nothing is said.
-    fn hold<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
-        let mut sim = slf.try_borrow_mut()?;
-        sim.motion = Motion::None;
-        sim.character_mut()?.hold();
-        drop(sim);
-        Ok(slf.clone())
-    }
-
-    /// Nothing drives it: it falls. Joints bend against springs of this stiffness, N·m/rad.
-    #[pyo3(signature = (bending_stiffness=10.0))]
-    fn ragdoll<'py>(slf: &Bound<'py, Self>, bending_stiffness: f64) -> PyResult<Bound<'py, Self>> {
-        let mut sim = slf.try_borrow_mut()?;
-        (sim.character_mut()?.ragdoll(bending_stiffness)).or_raise()?;
-        sim.motion = Motion::None;
-        drop(sim);
-        Ok(slf.clone())
-    }
-
-    /// Back to the start of what it follows, at rest.
-    fn reset<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
-        let mut sim = slf.try_borrow_mut()?;
-        let grip = sim.grip;
-        if let Some(frames) = sim.motion.frames(0.0) {
-            drive(sim.character_mut()?, &frames, grip).or_raise()?;
-        }
-        sim.character_mut()?.reset();
-        (sim.time, sim.motion_time, sim.at_rest) = (0.0, 0.0, true);
-        drop(sim);
-        Ok(slf.clone())
     }
 
     /// Puts everything into equilibrium with what drives and touches it, at rest: tissue sags, springs give way, and nothing
@@ -584,174 +360,6 @@ impl Simulation {
     #[getter]
     fn motion_notes(&self) -> Vec<String> {
         self.motion.notes()
-    }
-
-    /// A ball of this radius (m). `friction` is μ, `stiffness` in Pa/m (none: 1e8, or what the tissue says), contact begins at the distance `margin` (m).
-    #[pyo3(signature = (radius, position, *, friction=0.0, stiffness=None, margin=0.0))]
-    fn add_sphere(
-        slf: &Bound<'_, Self>,
-        radius: f64,
-        position: &Bound<'_, PyAny>,
-        friction: f64,
-        stiffness: Option<f64>,
-        margin: f64,
-    ) -> PyResult<Collider> {
-        let frame = collider::frame(Some(position), None)?;
-        let contact = collider::Contact {
-            friction,
-            stiffness,
-            margin,
-        };
-        Self::add(slf, Shape::Sphere { radius }, frame, contact)
-    }
-
-    /// A ball of this radius swept from `start` to `end` (m).
-    #[pyo3(signature = (start, end, radius, *, friction=0.0, stiffness=None, margin=0.0))]
-    fn add_capsule(
-        slf: &Bound<'_, Self>,
-        start: &Bound<'_, PyAny>,
-        end: &Bound<'_, PyAny>,
-        radius: f64,
-        friction: f64,
-        stiffness: Option<f64>,
-        margin: f64,
-    ) -> PyResult<Collider> {
-        let (frame, half_length) = collider::between(start, end)?;
-        let contact = collider::Contact {
-            friction,
-            stiffness,
-            margin,
-        };
-        Self::add(
-            slf,
-            Shape::Capsule {
-                radius,
-                half_length,
-            },
-            frame,
-            contact,
-        )
-    }
-
-    /// A flat-ended cylinder from `start` to `end` (m).
-    #[pyo3(signature = (start, end, radius, *, friction=0.0, stiffness=None, margin=0.0))]
-    fn add_cylinder(
-        slf: &Bound<'_, Self>,
-        start: &Bound<'_, PyAny>,
-        end: &Bound<'_, PyAny>,
-        radius: f64,
-        friction: f64,
-        stiffness: Option<f64>,
-        margin: f64,
-    ) -> PyResult<Collider> {
-        let (frame, half_length) = collider::between(start, end)?;
-        let contact = collider::Contact {
-            friction,
-            stiffness,
-            margin,
-        };
-        Self::add(
-            slf,
-            Shape::Cylinder {
-                radius,
-                half_length,
-            },
-            frame,
-            contact,
-        )
-    }
-
-    /// A box of this `size` (three extents, m). Rotations are matrices or rotation vectors (rad).
-    #[pyo3(signature = (size, position, rotation=None, *, friction=0.0, stiffness=None, margin=0.0))]
-    fn add_box(
-        slf: &Bound<'_, Self>,
-        size: &Bound<'_, PyAny>,
-        position: &Bound<'_, PyAny>,
-        rotation: Option<&Bound<'_, PyAny>>,
-        friction: f64,
-        stiffness: Option<f64>,
-        margin: f64,
-    ) -> PyResult<Collider> {
-        let half_extents = (0.5 * crate::arrays::vector(size, "size")?).to_array();
-        let frame = collider::frame(Some(position), rotation)?;
-        let contact = collider::Contact {
-            friction,
-            stiffness,
-            margin,
-        };
-        Self::add(slf, Shape::Box { half_extents }, frame, contact)
-    }
-
-    /// All that is below a plane: `normal` points out of it.
-    #[pyo3(signature = (point, normal, *, friction=0.0, stiffness=None, margin=0.0))]
-    fn add_half_space(
-        slf: &Bound<'_, Self>,
-        point: &Bound<'_, PyAny>,
-        normal: &Bound<'_, PyAny>,
-        friction: f64,
-        stiffness: Option<f64>,
-        margin: f64,
-    ) -> PyResult<Collider> {
-        let frame = collider::facing(point, normal)?;
-        let contact = collider::Contact {
-            friction,
-            stiffness,
-            margin,
-        };
-        Self::add(slf, Shape::HalfSpace, frame, contact)
-    }
-
-    /// All that is below this height (m), along the world's up.
-    #[pyo3(signature = (height=0.0, *, friction=0.5, stiffness=None, margin=0.0))]
-    fn add_ground(
-        slf: &Bound<'_, Self>,
-        height: f64,
-        friction: f64,
-        stiffness: Option<f64>,
-        margin: f64,
-    ) -> PyResult<Collider> {
-        if !height.is_finite() {
-            return Err(invalid("height", format!("{height} is not finite (m)")));
-        }
-        let up = slf.try_borrow()?.up;
-        let ground = supple::collider::Collider::ground(up);
-        let frame = Frame {
-            position: height * up.direction(),
-            ..ground.frame
-        };
-        let contact = collider::Contact {
-            friction,
-            stiffness,
-            margin,
-        };
-        Self::add(slf, ground.shape, frame, contact)
-    }
-
-    /// A closed triangle mesh: V × 3 (m), F × 3, counter-clockwise seen from outside.
-    #[pyo3(signature = (vertices, faces, position=None, rotation=None, *, friction=0.0, stiffness=None, margin=0.0))]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
-    fn add_mesh(
-        slf: &Bound<'_, Self>,
-        vertices: &Bound<'_, PyAny>,
-        faces: &Bound<'_, PyAny>,
-        position: Option<&Bound<'_, PyAny>>,
-        rotation: Option<&Bound<'_, PyAny>>,
-        friction: f64,
-        stiffness: Option<f64>,
-        margin: f64,
-    ) -> PyResult<Collider> {
-        let surface = collider::surface(vertices, faces)?;
-        let shape = slf
-            .py()
-            .detach(|| supple::collider::MeshShape::new(&surface));
-        let shape = shape.map_err(|e| to_python(e.within("vertices")))?;
-        let frame = collider::frame(position, rotation)?;
-        let contact = collider::Contact {
-            friction,
-            stiffness,
-            margin,
-        };
-        Self::add(slf, Shape::Mesh(shape), frame, contact)
     }
 
     fn __repr__(&self) -> String {

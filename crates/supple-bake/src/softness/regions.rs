@@ -97,7 +97,7 @@ impl Regions {
             }),
             None => automatic::material(depth, recipe.density),
         };
-        let shear_modulus = shear_modulus(&material);
+        let shear_modulus = material.shear_modulus();
         let by_bounce = recipe.bounce.is_some()
             || (recipe.material.is_none() && recipe.damping_time.is_none())
             || recipe.softness.iter().any(|r| r.bounce.is_some());
@@ -432,16 +432,6 @@ pub(crate) fn validate(recipe: &Recipe) -> Result<()> {
         return Err(Error::invalid("damping_time", problem));
     }
     Ok(())
-}
-
-/// G of small strains, Pa.
-fn shear_modulus(material: &Material) -> f64 {
-    let (e, nu) = match material {
-        Material::StableNeoHookean(m) => (m.youngs_modulus, m.poissons_ratio),
-        Material::FungNeoHookean(m) => (m.youngs_modulus, m.poissons_ratio),
-        Material::Orthotropic(m) => (m.youngs_modulus, m.poissons_ratio),
-    };
-    e / (2.0 * (1.0 + nu))
 }
 
 /// Mass, kg, and u, m, of each cubature point under 1 m/s² along x, y and z.

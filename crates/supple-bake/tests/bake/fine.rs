@@ -1,12 +1,13 @@
 //! Fine handles: their columns, blocks, cells, and what a file makes of them.
 
+use super::file::{seal, survives_forgery};
 use super::{TINY, recipe};
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 use supple::Error;
 use supple::file::{AvatarFile, Parts};
 use supple::glam::{DMat3, DVec3};
-use supple::internal::math::{Random, Rows};
+use supple::internal::math::Rows;
 use supple::model::{Avatar, FineHandles};
 use supple_bake::subspace::{Subspace, rest_stiffness};
 use supple_bake::{
@@ -246,10 +247,7 @@ fn a_file_brings_them_back_and_one_of_before_has_none() {
         let at = bytes.windows(4).position(|found| found == tag).unwrap();
         let mut renamed = bytes.clone();
         renamed[at] = b'x';
-        let mut hasher = crc32fast::Hasher::new();
-        hasher.update(&renamed[8..12]);
-        hasher.update(&renamed[16..]);
-        renamed[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
+        seal(&mut renamed);
         match from_bytes(&renamed, path) {
             Ok(back) => assert!(tag == *b"fine" && back.avatar.fine.is_empty()),
             Err(error) => {
@@ -296,25 +294,7 @@ fn damaged_tables_are_named() {
 fn a_forged_checksum_does_not_get_nonsense_in() {
     let bytes = to_bytes(&FINE.0, None).unwrap();
     let first = bytes.windows(4).position(|tag| tag == b"fine").unwrap();
-    let mut random = Random::new(9);
-    let mut refused = 0;
-    for _ in 0..600 {
-        let mut forged = bytes.clone();
-        for _ in 0..1 + random.index(4) {
-            let at = first + random.index(forged.len() - first);
-            forged[at] = random.index(256) as u8;
-        }
-        let mut hasher = crc32fast::Hasher::new();
-        hasher.update(&forged[8..12]);
-        hasher.update(&forged[16..]);
-        forged[12..16].copy_from_slice(&hasher.finalize().to_le_bytes());
-        match from_bytes(&forged, Path::new("limb.supple")) {
-            Ok(baked) => baked.avatar.validate().unwrap(),
-            Err(Error::Format { .. }) => refused += 1,
-            Err(other) => panic!("{other:?}"),
-        }
-    }
-    assert!(refused > 20, "{refused}");
+    survives_forgery(&bytes, first, 9, 600);
 }
 
 #[test]

@@ -102,11 +102,10 @@ fn play<P: Potential>(
         ..Recording::default()
     };
     let mut snapshots = vec![None; scene.output.panels.len()];
-    let (mut skin, mut normals) = (Vec::new(), Vec::new());
     let start = &simulation.instances()[0].state;
     record(&mut recording, &driver, 0.0, start);
     measures.start(start);
-    skin.clone_from(&posed_skin(avatar, start).positions);
+    let (mut skin, mut normals) = (posed_skin(avatar, start).positions, Vec::new());
     let mut draw =
         |step: usize, skin: &[DVec3], displacement: &[DVec3], state: &State, driver: &Driver| {
             let time = step as f64 * scene.settings.time_step;
@@ -128,11 +127,12 @@ fn play<P: Potential>(
         driver.drive(time, &mut simulation.instances_mut()[0])?;
         let report = simulation.step_blocking()?;
         simulation.read_skin_blocking(0, &mut skin, &mut normals)?;
+        measures.add(step, &report, &simulation.instances()[0], &skin);
         if let Some(series) = &mut series {
-            series::add(series, avatar, simulation, time, &report)?;
+            let shown = (&skin[..], measures.displacement());
+            series::add(series, avatar, simulation, time, &report, shown)?;
         }
         let instance = &simulation.instances()[0];
-        measures.add(step, &report, instance, &skin);
         if step % scene.output.record_every == 0 || step == scene.steps {
             record(&mut recording, &driver, time, &instance.state);
         }

@@ -1,7 +1,7 @@
 //! A run's steps as arrays.
 
+use glam::DVec3;
 use supple::Result;
-use supple::internal::cpu::skin_displacement;
 use supple::model::Avatar;
 use supple::potential::Potential;
 use supple::sim::{Simulation, StepEnergies, StepReport};
@@ -16,20 +16,19 @@ pub(super) fn empty(avatar: &Avatar) -> Series {
     }
 }
 
-/// Adds the step that `simulation` has just made and ended at `time`, s.
+/// Adds the step that `simulation` has just made and ended at `time`, s, with its `skin` and that skin's displacement, m.
 pub(super) fn add<P: Potential>(
     series: &mut Series,
     avatar: &Avatar,
     simulation: &mut Simulation<P>,
     time: f64,
     report: &StepReport,
+    (skin, displacement): (&[DVec3], &[DVec3]),
 ) -> Result<()> {
-    let (mut positions, mut normals) = (Vec::new(), Vec::new());
-    simulation.read_skin_blocking(0, &mut positions, &mut normals)?;
     series.time.push(time);
-    series.vertices.append(&mut positions);
+    series.vertices.extend(skin);
+    series.displacement.extend(displacement);
     let state = simulation.instances()[0].state.clone();
-    (series.displacement).append(&mut skin_displacement(avatar, &state));
     let (mut forces, mut pressures) = (Vec::new(), Vec::new());
     let potential = simulation.potential_mut();
     pollster::block_on(potential.read_contacts(0, &state, &mut forces, &mut pressures))?;
