@@ -92,6 +92,7 @@ pub fn random_state(seed: u64, avatar: &Avatar, angle: f64, distance: f64) -> St
         handles: (0..avatar.handles.len())
             .map(|_| random.vector(distance))
             .collect(),
+        awake: Vec::new(),
     }
 }
 

@@ -212,7 +212,7 @@ impl<'a> Mesh<'a> {
                         format!("{error:.1} %"),
                         format!("{ms:.2}"),
                         format!("{:.2}", pressed.force()),
-                        format!("{:.3}", min_det_f(&avatar.layer, &pressed.state)),
+                        format!("{:.3}", min_det_f(&avatar, &pressed.state)),
                     ]);
                 }
                 if candidates == HandleCandidates::Volume {

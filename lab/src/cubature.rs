@@ -221,6 +221,6 @@ fn recipe(handles: usize, material: Option<Material>, points: Option<(Sampling, 
 fn pressed(recipe: &Recipe) -> Result<(Pressed, f64)> {
     let avatar = Arc::new(bake(&Limb::S.body()?, recipe, &mut |_| {})?.0);
     let pressed = press(&avatar, &DEPTHS)?;
-    let smallest = min_det_f(&avatar.layer, &pressed.state);
+    let smallest = min_det_f(&avatar, &pressed.state);
     Ok((pressed, smallest))
 }

@@ -88,7 +88,7 @@ impl Space {
 
     fn min_det_f(&self, state: &State) -> Result<f64> {
         match self {
-            Self::Scalar(avatar) => Ok(min_det_f(&avatar.layer, state)),
+            Self::Scalar(avatar) => Ok(min_det_f(avatar, state)),
             Self::General(space) => space.min_det_f(state),
         }
     }

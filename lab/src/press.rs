@@ -94,7 +94,7 @@ pub fn press_full_space_along(
     let potential = CpuPotential::new(avatar.clone(), 1)?;
     let solver = Box::new(SparseCholesky::new(potential.pattern())?);
     let pressed = press_from(&avatar, potential, Some(solver), shape, frames, start)?;
-    let least = min_det_f(&avatar.layer, &pressed.state);
+    let least = min_det_f(&avatar, &pressed.state);
     Ok((pressed, least))
 }
 

@@ -118,6 +118,7 @@ impl Avatar {
         State {
             frames,
             handles: vec![DVec3::ZERO; self.handles.len()],
+            awake: Vec::with_capacity(self.fine.slots),
         }
     }
 

@@ -1,7 +1,8 @@
 //! Which fine handles are awake.
 //!
 //! An avatar with slots ([`Avatar::with_fine_slots`]) has more handles than it was baked with: its last ones stand for the fine
-//! handles that are awake, and are fixed at 0 where none is. States, histories and solvers see handles and no more.
+//! handles that are awake, and are fixed at 0 where none is; a state says which ones they are ([`State::awake`]). Histories and
+//! solvers see handles and no more.
 
 use super::{Avatar, FineHandles, State};
 use crate::{Error, Result};
@@ -30,6 +31,12 @@ impl Avatar {
     /// Handles that never sleep: those before the slots.
     pub fn coarse_handles(&self) -> usize {
         self.handles.len().saturating_sub(self.fine.slots)
+    }
+
+    /// φ of a fine handle in `state`, m; none where it sleeps.
+    pub fn fine_displacement(&self, state: &State, handle: u32) -> Option<DVec3> {
+        let slot = state.awake.iter().position(|h| *h == handle)?;
+        state.handles.get(self.coarse_handles() + slot).copied()
     }
 }
 
@@ -72,6 +79,14 @@ impl Awake {
         }
     }
 
+    /// Makes room for what `avatar` can have awake at a time.
+    pub(crate) fn reserve(&mut self, avatar: &Avatar) {
+        let room = Self::none(avatar);
+        let more = |room: usize, len: usize| room.saturating_sub(len);
+        (self.handles).reserve(more(room.handles.capacity(), self.handles.len()));
+        (self.cells).reserve(more(room.cells.capacity(), self.cells.len()));
+    }
+
     /// The fine handle of each slot that is taken.
     pub fn handles(&self) -> &[u32] {
         &self.handles
@@ -85,6 +100,24 @@ impl Awake {
     /// Whether no handle is awake and no cell fades.
     pub fn is_none(&self) -> bool {
         self.handles.is_empty() && self.cells.is_empty()
+    }
+
+    /// Those of a state that was put here; cells follow with [`Awake::complete`].
+    pub fn set_handles(&mut self, handles: &[u32]) {
+        self.handles.clear();
+        self.handles.extend(handles);
+    }
+
+    /// Adds the cells that the handles of a state that was put here want and that are not there, wholly awake: nothing led there, so that
+    /// nothing needs to fade.
+    pub fn complete(&mut self, fine: &FineHandles) {
+        for &handle in &self.handles {
+            for &cell in fine.cells.row(handle as usize) {
+                if let Err(at) = self.cells.binary_search_by_key(&cell, |c| c.0) {
+                    self.cells.insert(at, (cell, 1.0));
+                }
+            }
+        }
     }
 
     /// The slot of a fine handle that is awake.
@@ -106,8 +139,10 @@ impl Awake {
             return false;
         }
         self.handles.push(handle);
-        let at = coarse + slot;
-        states.for_each(|state| state.handles[at] = DVec3::ZERO);
+        states.for_each(|state| {
+            state.handles[coarse + slot] = DVec3::ZERO;
+            state.awake.push(handle);
+        });
         for &cell in fine.cells.row(handle as usize) {
             if let Err(at) = self.cells.binary_search_by_key(&cell, |c| c.0) {
                 self.cells.insert(at, (cell, 0.0));
@@ -128,6 +163,7 @@ impl Awake {
         for state in states {
             state.handles[first + slot] = state.handles[first + last];
             state.handles[first + last] = DVec3::ZERO;
+            state.awake.swap_remove(slot);
         }
     }
 

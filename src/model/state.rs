@@ -43,15 +43,23 @@ impl Space {
 pub struct State {
     /// Bones: rotation from the bind pose and joint position.
     pub frames: Vec<Frame>,
-    /// Handle displacements φ in unposed space, m.
+    /// Handle displacements φ in unposed space, m; those of the slots for fine handles are the last
+    /// ([`Avatar::with_fine_slots`](super::Avatar::with_fine_slots)).
     pub handles: Vec<DVec3>,
+    /// The fine handle that each slot stands for, of those that are taken.
+    #[serde(skip)]
+    pub awake: Vec<u32>,
 }
 
 impl Clone for State {
     fn clone(&self) -> Self {
+        // With the room that a step may need.
+        let mut awake = Vec::with_capacity(self.awake.capacity());
+        awake.extend(&self.awake);
         Self {
             frames: self.frames.clone(),
             handles: self.handles.clone(),
+            awake,
         }
     }
 
@@ -59,6 +67,7 @@ impl Clone for State {
     fn clone_from(&mut self, other: &Self) {
         self.frames.clone_from(&other.frames);
         self.handles.clone_from(&other.handles);
+        self.awake.clone_from(&other.awake);
     }
 }
 

@@ -215,6 +215,7 @@ mod tests {
         let at = |t: f64| State {
             frames: vec![Frame::IDENTITY],
             handles: vec![q(t)],
+            awake: Vec::new(),
         };
         let steps = [0.004, 0.007, 0.005, 0.009];
         let mut time = -steps.iter().sum::<f64>();
@@ -268,6 +269,7 @@ mod tests {
         let state = State {
             frames: vec![Frame::IDENTITY.moved(random.vector(1.0), random.vector(2.0))],
             handles: vec![random.vector(1.0)],
+            awake: Vec::new(),
         };
         let (velocity, spin) = (random.vector(1.0), random.vector(3.0));
         for integrator in [Integrator::Bdf2, Integrator::BackwardEuler] {

@@ -157,7 +157,9 @@ impl Instance {
     /// Sets the state, at rest.
     pub fn set_state(&mut self, state: State) {
         self.history.rest(&state);
-        self.state = state;
+        self.awake.set_handles(&state.awake);
+        self.waking = WakingMemory::default();
+        self.state.clone_from(&state);
         self.was_put = true;
     }
 
@@ -173,6 +175,7 @@ impl Instance {
         self.set_state(State {
             frames: frames.to_vec(),
             handles: vec![DVec3::ZERO; self.state.handles.len()],
+            awake: Vec::new(),
         });
     }
 
@@ -194,6 +197,11 @@ impl Instance {
                 "has not the avatar's numbers of bones and handles",
             )?;
             check(state.is_finite(), field, "holds a value that is not finite")?;
+            check(
+                state.awake == self.awake.handles(),
+                field,
+                "names other fine handles than are awake",
+            )?;
             check(
                 state.frames.iter().all(Frame::is_rigid),
                 field,

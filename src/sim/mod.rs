@@ -65,6 +65,8 @@ pub(crate) use members::Members;
 pub(crate) use solvers::Solvers;
 pub(crate) use stepper::{Physics, Stepper};
 pub(crate) use substeps::{DrivenFrame, Split};
+pub(crate) use waking::Waking;
+pub(crate) use waking_memory::WakingMemory;
 
 pub use dense_cholesky::DenseCholesky;
 pub use energy_balance::EnergyBalance;

@@ -26,6 +26,7 @@ pub(super) fn predict(
 pub(super) fn carry_on(instance: &Instance, predicted: &State, carried: &mut State) {
     carried.frames.clone_from(&predicted.frames);
     carried.handles.clone_from(&instance.state.handles);
+    carried.awake.clone_from(&instance.state.awake);
 }
 
 /// qⁿ with pinned bones where they end, and what hangs on them moved along: where the minimisation starts if nothing else

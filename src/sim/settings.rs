@@ -109,6 +109,10 @@ pub struct Settings {
     ///
     /// [`Simulation`]: super::Simulation
     pub report_at_end: bool,
+    /// How many fine handles of an instance may be awake at a time, on the CPU and of an avatar that was baked with some. A
+    /// [`World`](crate::World) makes room for so many; elsewhere
+    /// [`Avatar::with_fine_slots`](crate::model::Avatar::with_fine_slots) does. 0 is the paper's model.
+    pub fine_handles: usize,
 }
 
 impl Default for Settings {
@@ -126,6 +130,7 @@ impl Default for Settings {
             slip_speed: 1e-3,
             geometric_contact: false,
             report_at_end: false,
+            fine_handles: 30,
         }
     }
 }

@@ -192,7 +192,10 @@ impl<P: Potential> Simulation<P> {
         };
         for (i, instance) in self.instances.iter_mut().enumerate() {
             if instance.active {
-                waking.update(instance);
+                let colliders = std::mem::take(&mut instance.colliders);
+                let budget = self.physics.settings.fine_handles;
+                waking.update(instance, &colliders, budget);
+                instance.colliders = colliders;
             }
             self.potential.wake(i, &instance.awake)?;
         }

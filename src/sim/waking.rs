@@ -2,15 +2,15 @@
 //!
 //! A handle wakes when a collider comes within reach of its support, at the end of the next frame or anywhere on its way there,
 //! the nearest first, up to the slots that there are. It falls asleep when nothing is within a longer reach and it has come to
-//! rest: then the rest of its φ is taken back, no more than [`DRIFT`] a frame, so that nothing jumps. While it does, other handles
-//! may want its slot. The finer cubature fades in and out, slower where the tissue is loaded: swapping the points of a cell moves
+//! rest: then the rest of its φ is taken back, no more than [`DRIFT`] a frame, so that nothing jumps. Where all slots are taken and
+//! a handle waits that is nearer by a spacing, the one that carries least of those farther is eased out in the same way. The finer cubature fades in and out, slower where the tissue is loaded: swapping the points of a cell moves
 //! the balance by up to half of its displacement.
 
 use super::instance::Instance;
 use super::waking_memory::{Near, WakingMemory};
 use crate::collider::Collider;
 use crate::math::Rows;
-use crate::model::{Avatar, BasisEntry, FineHandles, SkinWeight, State};
+use crate::model::{Avatar, Awake, BasisEntry, FineHandles, SkinWeight, State};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -66,18 +66,30 @@ impl Waking {
         self.coarse
     }
 
-    /// Wakes and lets sleep what the next frame of `instance` asks for.
-    pub fn update(&self, instance: &mut Instance) {
+    /// Nothing that is farther than this wakes a handle, m.
+    pub fn reach(&self) -> f64 {
+        REACH * self.fine.spacing
+    }
+
+    /// Wakes and lets sleep what the next frame of `instance` asks for, of which `budget` may be awake; `colliders` are those that
+    /// may come near it.
+    pub fn update(&self, instance: &mut Instance, colliders: &[Collider], budget: usize) {
         let Instance {
             state,
             history,
             awake,
             waking,
-            colliders,
             ..
         } = instance;
+        awake.complete(&self.fine);
         self.measure(state, colliders, waking);
         waking.leaving.resize(awake.handles().len(), false);
+        let budget = budget.min(self.fine.slots);
+        // Sorted in place: a step allocates nothing.
+        (waking.near).sort_unstable_by(|a, b| {
+            (a.distance.total_cmp(&b.distance)).then(a.handle.cmp(&b.handle))
+        });
+        self.ease_out(state, awake, waking, budget);
 
         // Those that are far and still, from the last slot on: the one that takes a freed slot has been looked at.
         let sleeps = SLEEP * self.fine.spacing;
@@ -87,7 +99,7 @@ impl Waking {
             let far = waking.distances[handle] > sleeps;
             let (phi, before) = (state.handles[at], history.previous().handles[at]);
             let still = waking.leaving[slot] || phi.distance(before) < 0.2 * DRIFT;
-            waking.leaving[slot] = far && still;
+            waking.leaving[slot] = far && still || waking.eased_out == Some(handle as u32);
             if !waking.leaving[slot] {
                 continue;
             }
@@ -107,11 +119,7 @@ impl Waking {
         }
 
         let wakes = |near: &&Near| awake.slot_of(near.handle).is_none();
-        let free = self.fine.slots - awake.handles().len();
-        // Sorted in place: a step allocates nothing.
-        (waking.near).sort_unstable_by(|a, b| {
-            (a.distance.total_cmp(&b.distance)).then(a.handle.cmp(&b.handle))
-        });
+        let free = budget.saturating_sub(awake.handles().len());
         let mut chosen = 0;
         for k in 0..waking.near.len() {
             let near = waking.near[k];
@@ -135,6 +143,32 @@ impl Waking {
                 .map(|u| u.value * state.handles[u.handle as usize])
                 .sum();
             DRIFT / (coarse.length() + largest).max(DRIFT)
+        });
+    }
+
+    /// Chooses which handle makes room where more are awake than may be, or where all may and a nearer one waits: the one that
+    /// carries least of those that are clearly farther. One at a time, and the same until it sleeps or is in nobody's way any more.
+    fn ease_out(&self, state: &State, awake: &Awake, waking: &mut WakingMemory, budget: usize) {
+        let handles = awake.handles();
+        let waits = waking
+            .near
+            .iter()
+            .find(|near| !handles.contains(&near.handle));
+        let limit = match handles.len() {
+            count if count > budget => f64::NEG_INFINITY,
+            count if count == budget => {
+                waits.map_or(f64::INFINITY, |near| near.distance + self.fine.spacing)
+            }
+            _ => f64::INFINITY,
+        };
+        let in_the_way = |handle: &u32| waking.distances[*handle as usize] > limit;
+        let kept =
+            (waking.eased_out).filter(|handle| handles.contains(handle) && in_the_way(handle));
+        let carried = |slot: &usize| state.handles[self.coarse + slot].length_squared();
+        waking.eased_out = kept.or_else(|| {
+            let slots = (0..handles.len()).filter(|slot| in_the_way(&handles[*slot]));
+            let least = slots.min_by(|a, b| carried(a).total_cmp(&carried(b)));
+            least.map(|slot| handles[slot])
         });
     }
 

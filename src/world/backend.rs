@@ -52,6 +52,9 @@ pub(super) struct Room {
     pub colliders: usize,
     /// Different meshes of colliders.
     pub meshes: usize,
+    /// Fine handles that may be awake at a time, of each instance.
+    #[serde(skip)]
+    pub fine_slots: usize,
 }
 
 impl Room {
@@ -62,6 +65,7 @@ impl Room {
             body_slots: self.body_slots.max(other.body_slots),
             colliders: self.colliders.max(other.colliders),
             meshes: self.meshes.max(other.meshes),
+            fine_slots: self.fine_slots.max(other.fine_slots),
         }
     }
 
@@ -73,6 +77,7 @@ impl Room {
             body_slots: up(self.body_slots),
             colliders: up(self.colliders),
             meshes: up(self.meshes),
+            fine_slots: self.fine_slots,
         }
     }
 }
@@ -119,6 +124,15 @@ impl Opened {
                 let potential = CpuPotential::new(avatar, instances)?;
                 Ok(Evaluator::Cpu(Box::new(potential)))
             }
+        }
+    }
+
+    /// How many of the fine handles of `avatar` may be awake at a time where `budget` are asked for; none on the GPU.
+    pub fn fine_slots(&self, avatar: &Avatar, budget: usize) -> usize {
+        match self {
+            // An avatar with slots of its own keeps them.
+            Self::Cpu if avatar.fine.slots == 0 => budget.min(avatar.fine.len()),
+            _ => 0,
         }
     }
 

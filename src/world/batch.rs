@@ -5,7 +5,7 @@ use super::character::{Character, rigid};
 use super::near::SkinBounds;
 use super::pose_springs::{PoseSpring, pose_springs};
 use crate::model::{Avatar, Frame, RigidBody};
-use crate::sim::{Physics, Settings, Solvers};
+use crate::sim::{Physics, Settings, Solvers, Waking};
 use crate::skeleton::SkeletonModel;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -40,18 +40,21 @@ impl Batch {
         is_body: bool,
     ) -> Result<(Self, Evaluator)> {
         base.validate()?;
-        let room = Room::default();
-        let evaluator = opened.evaluator(&base, room, is_body)?;
+        let room = Room {
+            fine_slots: opened.fine_slots(&base, settings.fine_handles),
+            ..Room::default()
+        };
+        let avatar = with_room(&base, room)?;
+        let evaluator = opened.evaluator(&avatar, room, is_body)?;
         let batch = Self {
-            avatar: base.clone(),
             physics: Physics {
-                // A world gives its avatars no slots yet.
-                waking: None,
+                waking: Waking::new(&avatar),
                 skeleton: SkeletonModel::new(&base),
                 captured_under_gravity: base.captured_under_gravity,
                 settings,
             },
-            bounds: SkinBounds::new(&base),
+            bounds: SkinBounds::new(&avatar),
+            avatar,
             characters: Vec::new(),
             used: Vec::new(),
             room,
@@ -110,15 +113,16 @@ impl Batch {
             return Ok(None);
         }
         let room = room.rounded_up();
-        let avatar = match room.body_slots {
-            0 => self.base.clone(),
-            slots => Arc::new((*self.base).clone().with_body_slots(slots)?),
-        };
+        let avatar = with_room(&self.base, room)?;
         let evaluator = opened.evaluator(&avatar, room, self.is_body)?;
         if room.body_slots != self.room.body_slots {
             self.physics.skeleton = SkeletonModel::new(&avatar);
-            (self.characters.iter_mut()).for_each(|character| character.set_avatar(&avatar));
         }
+        if room.fine_slots != self.room.fine_slots {
+            self.physics.waking = Waking::new(&avatar);
+            self.bounds = SkinBounds::new(&avatar);
+        }
+        (self.characters.iter_mut()).for_each(|character| character.set_avatar(&avatar));
         // Another evaluator knows no skin of theirs.
         (self.characters.iter_mut()).for_each(|character| character.instance.was_put = true);
         self.avatar = avatar;
@@ -153,4 +157,19 @@ impl Batch {
     pub fn solvers(&self, evaluator: &Evaluator) -> Solvers {
         Solvers::dense(evaluator.pattern(), self.characters.len())
     }
+}
+
+/// `base` with frames that stand for bodies, and slots for fine handles.
+fn with_room(base: &Arc<Avatar>, room: Room) -> Result<Arc<Avatar>> {
+    if room.body_slots == 0 && room.fine_slots == 0 {
+        return Ok(base.clone());
+    }
+    let mut avatar = (**base).clone();
+    if room.body_slots > 0 {
+        avatar = avatar.with_body_slots(room.body_slots)?;
+    }
+    if room.fine_slots > 0 {
+        avatar = avatar.with_fine_slots(room.fine_slots)?;
+    }
+    Ok(Arc::new(avatar))
 }

@@ -324,7 +324,11 @@ impl Character {
         let past = instance.history.states_mut().iter_mut();
         for state in std::iter::once(&mut instance.state).chain(past) {
             state.frames.resize(frames, Frame::IDENTITY);
+            state.handles.resize(avatar.handles.len(), DVec3::ZERO);
+            let more = avatar.fine.slots.saturating_sub(state.awake.len());
+            state.awake.reserve(more);
         }
+        instance.awake.reserve(avatar);
         let bending = instance.bending[0];
         instance.bending.resize(frames, bending);
     }

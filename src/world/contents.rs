@@ -50,6 +50,8 @@ pub struct World {
     pub(super) posed: bool,
     /// What drives everything over a frame that takes several steps.
     pub(super) frame: WorldFrame,
+    /// Memory of what is near an instance.
+    pub(super) near: Vec<Collider>,
     /// Memory of the list of all members.
     pub(super) each: Vec<(&'static Physics, &'static Instance)>,
 }
@@ -90,6 +92,7 @@ impl World {
             timings: Timings::default(),
             posed: false,
             frame: WorldFrame::default(),
+            near: Vec::new(),
             each: Vec::new(),
         })
     }

@@ -12,7 +12,7 @@ use crate::sim::{Link, Stepper};
 use slotmap::SlotMap;
 
 /// Always added to what moves in a step, m: nothing that is nearer is overlooked.
-const MARGIN: f64 = 0.01;
+pub(super) const MARGIN: f64 = 0.01;
 
 /// An avatar that may touch a body.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ impl Meetings {
 }
 
 /// How far an instance may move in a step, m.
-fn travel(batch: &Batch, place: usize) -> f64 {
+pub(super) fn travel(batch: &Batch, place: usize) -> f64 {
     let instance = &batch.characters[place].instance;
     let apart = |a: &Frame, b: &Frame| a.position.distance(b.position);
     let frames = instance
@@ -162,11 +162,13 @@ impl World {
             let body_slots = of_asset.iter().map(|m| m.slot + 1).max().unwrap_or(0);
             let instances = self.batches[asset].characters.iter();
             let colliders = instances.map(|c| c.instance.colliders.len()).max();
+            let (batch, budget) = (&self.batches[asset], self.settings.fine_handles);
             let wanted = Room {
                 instances: 0,
                 body_slots,
                 colliders: colliders.unwrap_or(0) + body_slots,
                 meshes,
+                fine_slots: self.opened.fine_slots(batch.base(), budget),
             };
             self.make_room(asset, wanted)?;
         }

@@ -20,6 +20,7 @@
 //! | `skins` | the posed skins, for who draws them |
 //! | `contacts` | what presses where on them |
 //! | `meetings` | who touches what in a step |
+//! | `waking` | which fine handles are awake |
 //! | `step` | a step |
 //! | `settle` | all characters into equilibrium |
 //! | `snapshot` | all that moves, as bytes and back |
@@ -47,6 +48,7 @@ mod skins;
 mod snapshot;
 mod step;
 mod trials;
+mod waking;
 
 pub use backend::Backend;
 pub use character::{Character, Driving};

@@ -19,7 +19,7 @@ pub(super) struct SkinBounds {
     radius: Vec<f64>,
     /// For each group of nine pose features, the largest norm of their columns at a vertex, m.
     blend: Vec<f64>,
-    /// max Σ |U|.
+    /// max Σ |U|, of fine handles too.
     reach: f64,
 }
 
@@ -34,7 +34,14 @@ impl SkinBounds {
                 let distance = skin.position[i].distance(avatar.skeleton.joints[bone]);
                 radius[bone] = radius[bone].max(distance);
             }
-            reach = reach.max(skin.basis.row(i).iter().map(|u| u.value.abs()).sum());
+            let coarse: f64 = skin.basis.row(i).iter().map(|u| u.value.abs()).sum();
+            let fine = match avatar.fine.slots {
+                0 => 0.0,
+                _ => (avatar.fine.skin.row(i).iter())
+                    .map(|(_, u)| f64::from(u.abs()))
+                    .sum(),
+            };
+            reach = reach.max(coarse + fine);
         }
         let columns = &skin.pose_blend.columns;
         let norm = |group: usize, i: usize| {

@@ -55,6 +55,7 @@ impl World {
     /// Poses the skins of the present states.
     async fn pose(&mut self) -> Result<()> {
         self.number()?;
+        self.tell_awake()?;
         let characters = self.batches.iter().flat_map(|batch| &batch.characters);
         let instances = characters.map(|c| &c.instance);
         let states: Vec<_> = instances.clone().map(|i| i.state.clone()).collect();

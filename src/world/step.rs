@@ -29,6 +29,9 @@ impl World {
         }
         let jump = time_step > LONGEST_STEP;
         let time_step = time_step.min(LONGEST_STEP);
+        if !jump {
+            self.wake_fine_handles();
+        }
         let split = self.split(time_step, jump);
         if split.count() > 1 {
             self.begin_frame();
@@ -77,6 +80,7 @@ impl World {
         self.choose(jump);
         self.meet()?;
         self.number()?;
+        self.tell_awake()?;
         self.list_links();
         self.begin()?;
         timings.skeleton += watch.ms();

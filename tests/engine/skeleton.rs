@@ -45,6 +45,7 @@ fn bone_inertia_is_that_of_its_matter() {
     let [previous, earlier] = [previous, earlier].map(|frame| State {
         frames: vec![frame],
         handles: Vec::new(),
+        awake: Vec::new(),
     });
     // As after two steps of unlike lengths.
     let weights = [-2.4, 0.9, 0.0];

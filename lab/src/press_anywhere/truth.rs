@@ -36,6 +36,7 @@ pub fn truth(avatar: &Avatar, press: &Press, cache: &Path) -> Result<Truth> {
     let start = kept.map(|kept| State {
         frames: avatar.rest_state().frames,
         handles: kept.handles,
+        awake: Vec::new(),
     });
     let frames = press.frames();
     let frames = match start {

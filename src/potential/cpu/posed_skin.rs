@@ -1,9 +1,8 @@
 //! An avatar's skin in a state.
 
 use crate::model::{Avatar, State, Surface, pose_feature};
-use crate::potential::cpu::displacement::unposed_displacement;
+use crate::potential::cpu::displacement::{position, unposed_displacement};
 use crate::potential::cpu::pose_blend::pose_blend;
-use crate::potential::cpu::skin::skin;
 use glam::DVec3;
 
 /// Where the skin of `avatar` is drawn in `state`, m: x = Σ w (R (x̄ + U φ − J) + c), without a host's offsets.
@@ -12,22 +11,39 @@ pub fn posed_skin(avatar: &Avatar, state: &State) -> Surface {
     let feature = pose_feature(&skeleton.parents, &state.frames);
     let mut rest = vec![DVec3::ZERO; points.len()];
     pose_blend(&points.position, &points.pose_blend, &feature, 0, &mut rest);
-    let rows = points.skinning.iter().zip(points.basis.iter());
-    let place = |(rest, (skinning, basis)): (&DVec3, _)| {
-        let (frames, handles) = (&state.frames, &state.handles);
-        skin(skinning, basis, &skeleton.joints, frames, handles, *rest)
+    let place = |(v, rest): (usize, &DVec3)| {
+        let unposed = *rest + displacement_at(avatar, state, v);
+        position(
+            points.skinning.row(v),
+            &skeleton.joints,
+            &state.frames,
+            unposed,
+        )
     };
     Surface {
-        positions: rest.iter().zip(rows).map(place).collect(),
+        positions: rest.iter().enumerate().map(place).collect(),
         triangles: avatar.triangles.clone(),
     }
 }
 
 /// U φ at each skin vertex, m: how far the tissue is from the skinned shape, before the pose.
 pub fn skin_displacement(avatar: &Avatar, state: &State) -> Vec<DVec3> {
-    let rows = avatar.skin.basis.iter();
-    rows.map(|row| unposed_displacement(row, &state.handles))
+    let vertices = 0..avatar.skin.len();
+    vertices
+        .map(|v| displacement_at(avatar, state, v))
         .collect()
+}
+
+/// The same at one vertex: of coarse handles, and of the fine ones that are awake.
+fn displacement_at(avatar: &Avatar, state: &State, vertex: usize) -> DVec3 {
+    let coarse = unposed_displacement(avatar.skin.basis.row(vertex), &state.handles);
+    if state.awake.is_empty() {
+        return coarse;
+    }
+    let fine = avatar.fine.skin.row(vertex).iter();
+    let fine = fine
+        .filter_map(|&(handle, u)| Some(f64::from(u) * avatar.fine_displacement(state, handle)?));
+    coarse + fine.sum::<DVec3>()
 }
 
 /// The skin in the reference shape, displaced as in `state`, m: X + U φ.

@@ -35,6 +35,7 @@ fn earlier(state: &State, v: DVec3, w: DVec3, time_step: f64) -> State {
     State {
         frames: frames.collect(),
         handles: state.handles.clone(),
+        awake: state.awake.clone(),
     }
 }
 
@@ -294,6 +295,7 @@ fn scene(placement: &Frame, solver: SolverMode) -> Result<(Avatar, State)> {
     let placed = |state: &State| State {
         frames: state.frames.iter().map(place).collect(),
         handles: state.handles.clone(),
+        awake: state.awake.clone(),
     };
     let sphere = |z: f64| Frame {
         position: DVec3::new(0.12, 0.01, z),

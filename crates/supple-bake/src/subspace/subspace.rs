@@ -258,7 +258,7 @@ mod tests {
         let mut state = avatar.rest_state();
         (state.handles.iter_mut().enumerate())
             .for_each(|(h, phi)| *phi = 1e-3 * DVec3::new(h as f64, 2.0, -1.0));
-        let own = supple::internal::cpu::min_det_f(&avatar.layer, &state);
+        let own = supple::internal::cpu::min_det_f(&avatar, &state);
         approx::assert_relative_eq!(space.min_det_f(&state).unwrap(), own, epsilon = 1e-13);
         assert!(own < 1.0);
     }

@@ -56,7 +56,7 @@ impl<'a> Measures<'a> {
         self.displacement = skin_displacement(self.avatar, state);
         self.settled_displacement.clone_from(&self.displacement);
         if let Some(least) = &mut self.report.min_det_f {
-            *least = min_det_f(&self.avatar.layer, state);
+            *least = min_det_f(self.avatar, state);
         }
     }
 
@@ -73,7 +73,7 @@ impl<'a> Measures<'a> {
             .max_penetration_mm
             .max(penetration(self.avatar, instance, skin) * MM);
         if let Some(least) = &mut r.min_det_f {
-            let det = min_det_f(&self.avatar.layer, &instance.state);
+            let det = min_det_f(self.avatar, &instance.state);
             if det < *least || det.is_nan() {
                 *least = det;
             }

@@ -107,6 +107,7 @@ pub fn terms() -> Vec<Term> {
     let state = |frames: &[Frame]| State {
         frames: frames.to_vec(),
         handles: Vec::new(),
+        awake: Vec::new(),
     };
     let (past, present) = ([state(&previous)], [state(&current)]);
     // As after a step of another length, and at rest.

@@ -84,7 +84,7 @@ fn calm<P: Potential>(simulation: &mut Simulation<P>) -> (f64, f64) {
     let pairs = skin.iter().zip(&finger().skin.position);
     let left = pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     let state = &simulation.instances()[0].state;
-    (left, min_det_f(&finger().layer, state))
+    (left, min_det_f(finger(), state))
 }
 
 #[test]

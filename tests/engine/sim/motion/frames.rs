@@ -100,7 +100,7 @@ fn a_root_that_jumps_does_no_harm() -> Result<()> {
             let state = &simulation.instances()[0].state;
             let longest = state.handles.iter().map(|h| h.length());
             farthest = farthest.max(longest.fold(0.0, f64::max));
-            smallest = smallest.min(min_det_f(&avatar.layer, state));
+            smallest = smallest.min(min_det_f(&avatar, state));
         }
         println!("share {share}: {farthest:e} m, det F {smallest}");
         assert!(farthest < bound, "share {share}: {farthest:e} m");

@@ -57,6 +57,7 @@ fn states(avatar: &Avatar, lead: Option<&[State]>, steps: &[f64]) -> Result<Vec<
             })
             .collect(),
         handles: rest.handles.clone(),
+        awake: Vec::new(),
     };
     match lead {
         None => (instance.history).set_previous(&at(-1e-6), &instance.state, 1e-6),

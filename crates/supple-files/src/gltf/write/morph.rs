@@ -3,6 +3,7 @@
 use super::Recording;
 use faer::{Mat, Side};
 use glam::DVec3;
+use supple::internal::cpu::skin_displacement;
 use supple::internal::features::pose_feature;
 use supple::model::{Avatar, State};
 use supple::{Error, Result};
@@ -30,7 +31,8 @@ impl Morphs {
     /// At most `most` targets: one for each handle and axis where that plays everything, else a low-rank basis of what
     /// was recorded.
     pub fn new(avatar: &Avatar, recording: &Recording, most: usize) -> Result<Self> {
-        let plain = avatar.skin.pose_blend.features == 0;
+        // A slot for fine handles stands for one after the other.
+        let plain = avatar.skin.pose_blend.features == 0 && avatar.fine.slots == 0;
         if plain && 3 * avatar.handles.len() <= most {
             Ok(per_handle(avatar, recording))
         } else {
@@ -42,15 +44,7 @@ impl Morphs {
 /// B_P(θ) + Σ U φ at every skin vertex, m.
 fn displacement(avatar: &Avatar, state: &State) -> Vec<DVec3> {
     let skin = &avatar.skin;
-    let mut out: Vec<DVec3> = skin
-        .basis
-        .iter()
-        .map(|row| {
-            row.iter()
-                .map(|u| u.value * state.handles[u.handle as usize])
-                .sum()
-        })
-        .collect();
+    let mut out = skin_displacement(avatar, state);
     if skin.pose_blend.features > 0 {
         let feature = pose_feature(&avatar.skeleton.parents, &state.frames);
         let columns = skin.pose_blend.columns.chunks_exact(skin.len().max(1));

@@ -64,7 +64,7 @@ pub fn shake(avatar: &Avatar, how: Shake) -> Shaken {
         }
         // A period has 33 steps; every third sees its peaks.
         if step % 3 == 0 {
-            let det = min_det_f(&avatar.layer, state);
+            let det = min_det_f(&avatar, state);
             out.min_det_f = if det < out.min_det_f || det.is_nan() {
                 det
             } else {
