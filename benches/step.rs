@@ -8,7 +8,7 @@ use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
 use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
 use supple::sim::{Pin, Simulation};
-use supple_bake::{bake, full_space_simulation};
+use supple_bake::{FineRecipe, bake, full_space_simulation};
 use supple_scene::{Driver, Scene, read_scene};
 
 fn scene(name: &str) -> Scene {
@@ -45,16 +45,22 @@ fn pressed(
     Ok(())
 }
 
-/// The f64 evaluation alone.
+/// The f64 evaluation alone, with fine handles as well: none awake, and 30.
 fn on_cpu(criterion: &mut Criterion, name: &str, points: Option<usize>) -> supple::Result<()> {
     let scene = scene(name);
     let (body, mut recipe) = scene.avatar.body()?;
     recipe.cubature.points = points.or(recipe.cubature.points);
-    let avatar = Arc::new(bake(&body, &recipe, &mut |_| {})?.0);
-    let cpu = CpuPotential::new(avatar.clone(), 1)?;
-    let cpu = Simulation::new(&avatar, cpu, scene.settings)?;
-    let name = format!("step/cpu/{name}, {} points", avatar.cubature.len());
-    pressed(criterion, &name, &scene, &avatar, cpu, 4.0)
+    recipe.fine_handles = Some(FineRecipe::default());
+    let baked = bake(&body, &recipe, &mut |_| {})?.0;
+    for fine in [0, 30] {
+        let avatar = Arc::new(baked.clone().with_fine_slots(fine)?);
+        let cpu = CpuPotential::new(avatar.clone(), 1)?;
+        let cpu = Simulation::new(&avatar, cpu, scene.settings)?;
+        let points = avatar.cubature.len();
+        let name = format!("step/cpu/{name}, {points} points, {fine} fine handles awake");
+        pressed(criterion, &name, &scene, &avatar, cpu, 4.0)?;
+    }
+    Ok(())
 }
 
 fn bench(criterion: &mut Criterion) {

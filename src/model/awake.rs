@@ -141,7 +141,7 @@ impl Awake {
         self.handles.push(handle);
         states.for_each(|state| {
             state.handles[coarse + slot] = DVec3::ZERO;
-            state.awake.push(handle);
+            state.awake.clone_from(&self.handles);
         });
         for &cell in fine.cells.row(handle as usize) {
             if let Err(at) = self.cells.binary_search_by_key(&cell, |c| c.0) {
@@ -163,7 +163,7 @@ impl Awake {
         for state in states {
             state.handles[first + slot] = state.handles[first + last];
             state.handles[first + last] = DVec3::ZERO;
-            state.awake.swap_remove(slot);
+            state.awake.clone_from(&self.handles);
         }
     }
 

@@ -67,7 +67,13 @@ impl StepPotential {
         for bone in pinned.chain(carried.iter().map(|c| c.bone)) {
             fixed[6 * bone..6 * bone + 6].fill(true);
         }
+        let slots = avatar.coarse_handles()..avatar.handles.len();
+        for slot in slots.skip(instance.awake.handles().len()) {
+            let block = avatar.space().handle_block(slot);
+            fixed[3 * block..3 * block + 3].fill(true);
+        }
         let mut tissue = Exact(CpuPotential::new(avatar, 1)?);
+        tissue.wake(0, &instance.awake)?;
         let start = tissue_start(settings, physics.captured_under_gravity, instance, &[]);
         pollster::block_on(tissue.begin_step(&[start], &[true]))?;
         Ok(Self {

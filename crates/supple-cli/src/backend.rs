@@ -33,13 +33,14 @@ pub struct BackendFlags {
 }
 
 impl BackendFlags {
-    /// Plays `scene`, and says on stderr on which backend; every step is kept in `series` where one is asked for.
+    /// Plays `scene`, and says on stderr on which backend; every step is kept in `series` where one is asked for. Returns the
+    /// avatar that the run is of as well: on the CPU it has room for fine handles.
     pub fn simulate(
         &self,
         scene: &Scene,
-        avatar: &Arc<Avatar>,
+        avatar: Avatar,
         series: Option<&mut Series>,
-    ) -> Result<SceneRun> {
+    ) -> Result<(Arc<Avatar>, SceneRun)> {
         if let Some(gpu) = self.open_gpu()? {
             tell(format_args!(
                 "backend: gpu, {} ({})",
@@ -49,20 +50,27 @@ impl BackendFlags {
                 colliders: scene.collider_count().max(1),
                 ..GpuOptions::default()
             };
+            if !avatar.fine.is_empty() && scene.settings.fine_handles > 0 {
+                tell(format_args!(
+                    "note: fine handles sleep on the GPU; --backend cpu wakes them"
+                ));
+            }
+            let avatar = Arc::new(avatar);
             let (device, queue) = (&gpu.device, &gpu.queue);
             let potential = GpuPotential::new(device, queue, avatar.clone(), 1, options)?;
-            let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
-            let mut run = play(scene, avatar, &mut simulation, series)?;
+            let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
+            let mut run = play(scene, &avatar, &mut simulation, series)?;
             time_stages(simulation.potential_mut(), &mut run.report.breakdown_ms)?;
             run.report.backend = "gpu".into();
-            return Ok(run);
+            return Ok((avatar, run));
         }
+        let avatar = Arc::new(avatar.with_fine_slots(scene.settings.fine_handles)?);
         let potential = CpuPotential::new(avatar.clone(), 1)?;
         tell(format_args!("backend: cpu{}", self.why_cpu()));
-        let mut simulation = Simulation::new(avatar, potential, scene.settings)?;
-        let mut run = play(scene, avatar, &mut simulation, series)?;
+        let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
+        let mut run = play(scene, &avatar, &mut simulation, series)?;
         run.report.backend = "cpu".into();
-        Ok(run)
+        Ok((avatar, run))
     }
 
     /// Why the CPU was taken where nobody asked for it.

@@ -10,7 +10,6 @@ use super::simulate_report::{print_play, warn_of_the_implausible};
 use super::terminal::{baking_if_needed, bar, print, print_json, tell, to_json};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use supple::Result;
 use supple::internal::write_whole;
 use supple::model::Avatar;
@@ -69,10 +68,9 @@ impl Arguments {
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
         let mut scene = Scene::of_avatar(&stem, source);
         let avatar = load_avatar(&scene.avatar, &self.cache, &mut baking_if_needed())?;
-        let avatar = Arc::new(avatar);
         let showing = scene.show(&avatar, motion, self.seconds)?;
         tell(format_args!("{stem}: {showing}"));
-        let run = self.backend.simulate(&scene, &avatar, None)?;
+        let (avatar, run) = self.backend.simulate(&scene, avatar, None)?;
         tell_motion(&run);
         let folder = self.output.clone();
         let folder =

@@ -7,7 +7,6 @@ use super::motion_flags::{MotionFlags, from_file};
 use super::simulate_report::{print_report, warn_of_the_implausible};
 use super::terminal::{baking_if_needed, bar, print, print_json, tell, to_json};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use supple::internal::write_whole;
 use supple::model::Avatar;
 use supple::{Error, Result};
@@ -87,9 +86,7 @@ impl Arguments {
             run.report.backend = "cpu, full space".into();
             (avatar, run)
         } else {
-            let avatar = Arc::new(avatar);
-            let run = self.backend.simulate(&scene, &avatar, series.as_mut())?;
-            (avatar, run)
+            self.backend.simulate(&scene, avatar, series.as_mut())?
         };
         tell_motion(&run);
         let folder = self

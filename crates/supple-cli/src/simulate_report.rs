@@ -26,10 +26,7 @@ pub fn print_play(r: &Report) {
     print_table([
         ("backend", format!("{} ({})", r.backend, r.adapter)),
         ("steps", format!("{} of {} s", r.steps, r.time_step)),
-        (
-            "degrees of freedom",
-            format!("{} ({} handles)", r.dofs, r.handles),
-        ),
+        ("degrees of freedom", degrees_of_freedom(r)),
         (
             "ms a step",
             format!("{:.3} median, {:.3} p95", times.median, times.p95),
@@ -44,6 +41,16 @@ pub fn print_play(r: &Report) {
     ]);
 }
 
+fn degrees_of_freedom(r: &Report) -> String {
+    match r.fine_handles {
+        0 => format!("{} ({} handles)", r.dofs, r.handles),
+        fine => format!(
+            "{} ({} handles, up to {fine} fine ones awake)",
+            r.dofs, r.handles
+        ),
+    }
+}
+
 fn smallest_det_f(r: &Report) -> String {
     let unknown = "not known: baked without its layer";
     (r.min_det_f).map_or(unknown.into(), |det| format!("{det:.3}"))
@@ -55,10 +62,7 @@ pub fn print_report(r: &Report) {
     print_table([
         ("backend", format!("{} ({})", r.backend, r.adapter)),
         ("steps", format!("{} of {} s", r.steps, r.time_step)),
-        (
-            "degrees of freedom",
-            format!("{} ({} handles)", r.dofs, r.handles),
-        ),
+        ("degrees of freedom", degrees_of_freedom(r)),
         ("cubature points", r.cubature_points.to_string()),
         (
             "ms a step",

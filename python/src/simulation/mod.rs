@@ -300,8 +300,8 @@ impl Simulation {
             let collider = self.world.collider_mut(self.colliders[k]).or_raise()?;
             instance.colliders.push(collider.clone());
         }
-        let avatar = self.avatar.get().inner.clone();
-        Potential::new(py, avatar, instance, settings)
+        let avatar = self.world.instance(self.instance).or_raise()?.avatar();
+        Potential::new(py, Arc::new(avatar.clone()), instance, settings)
     }
 
     /// Sets what is named, from the next step on.

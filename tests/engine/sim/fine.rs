@@ -10,7 +10,7 @@ use supple_bake::{FineRecipe, HandleRegion, Recipe, bake};
 use supple_samples::Limb;
 
 /// The bone press limb with 40 handles that do not know the sphere, and all other vertices as fine ones.
-static LIMB: LazyLock<Avatar> = LazyLock::new(|| {
+pub static LIMB: LazyLock<Avatar> = LazyLock::new(|| {
     let recipe = Recipe {
         handles: vec![HandleRegion {
             count: Some(40),
@@ -27,10 +27,10 @@ static LIMB: LazyLock<Avatar> = LazyLock::new(|| {
         .0
 });
 
-const RADIUS: f64 = 0.02;
+pub const RADIUS: f64 = 0.02;
 
 /// The limb's top is at z = 0.04: a sphere that is `depth` inside there.
-fn sphere(depth: f64) -> Frame {
+pub fn sphere(depth: f64) -> Frame {
     Frame {
         position: DVec3::new(0.125, 0.0, 0.04 + RADIUS - depth),
         ..Frame::IDENTITY
@@ -63,7 +63,7 @@ fn skin(simulation: &mut Simulation<CpuPotential>, instance: usize) -> Vec<DVec3
     skin
 }
 
-fn apart(a: &[DVec3], b: &[DVec3]) -> f64 {
+pub fn apart(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter()
         .zip(b)
         .map(|(a, b)| a.distance(*b))
@@ -71,7 +71,7 @@ fn apart(a: &[DVec3], b: &[DVec3]) -> f64 {
 }
 
 /// Down to `deepest` and back, a millimetre a step, then nothing for a while.
-fn way(deepest: f64) -> Vec<f64> {
+pub fn way(deepest: f64) -> Vec<f64> {
     let (first, steps) = (-0.06, ((deepest + 0.06) / 1e-3).round() as usize);
     let down = (0..=steps).map(|k| first + 1e-3 * k as f64);
     let up = (0..=steps).rev().map(|k| first + 1e-3 * k as f64);

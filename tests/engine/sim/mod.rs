@@ -6,7 +6,7 @@ mod bodies;
 mod bone_press;
 mod contact_pairs;
 mod dynamics;
-mod fine;
+pub mod fine;
 mod imports;
 mod linear_solver;
 mod motion;

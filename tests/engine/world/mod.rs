@@ -4,6 +4,7 @@ mod bodies;
 mod coming_and_going;
 mod contacts;
 mod driving;
+mod fine;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod offsets;

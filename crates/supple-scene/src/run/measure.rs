@@ -67,6 +67,7 @@ impl<'a> Measures<'a> {
         let longest = longest(self.displacement.iter().copied()) * MM;
         let this = &report.instances[0];
         let r = &mut self.report;
+        r.fine_handles = r.fine_handles.max(instance.state.awake.len());
         r.max_unposed_displacement_mm = r.max_unposed_displacement_mm.max(longest);
         r.max_joint_gap_mm = r.max_joint_gap_mm.max(this.max_joint_gap * MM);
         r.max_penetration_mm = r
@@ -115,9 +116,9 @@ impl<'a> Measures<'a> {
             adapter,
             steps: self.steps.len(),
             time_step: self.time_step,
-            dofs: avatar.space().dofs(),
+            dofs: avatar.space().dofs() - 3 * (avatar.fine.slots - self.report.fine_handles),
             bones: avatar.skeleton.len(),
-            handles: avatar.handles.len(),
+            handles: avatar.coarse_handles(),
             cubature_points: avatar.cubature.len(),
             vertices: avatar.skin.len(),
             tets: avatar.layer.mesh.tets.len(),
@@ -160,12 +161,21 @@ fn penetration(avatar: &Avatar, instance: &Instance, skin: &[DVec3]) -> f64 {
     depths.fold(0.0, f64::max)
 }
 
-/// Σ w Ψ(F) over the cubature points, J.
+/// Σ w Ψ(F) over the cubature points, J: the coarse ones also where cells are awake.
 fn elastic_energy(avatar: &Avatar, state: &State) -> f64 {
-    let points = &avatar.cubature;
-    let energy = |i: usize| {
-        let change = displacement_gradient(points.basis.row(i), &state.handles);
+    let (points, mut blocks) = (&avatar.cubature, Vec::new());
+    let mut energy = |i: usize| {
+        let mut change = displacement_gradient(points.basis.row(i), &state.handles);
+        if !state.awake.is_empty() {
+            let awake = |handle| state.awake.contains(&handle);
+            avatar.fine.blocks(i, awake, &mut blocks);
+            for block in &blocks {
+                let phi = avatar.fine_displacement(state, block.handle);
+                let [x, y, z] = block.gradient.map(|g| g * phi.unwrap_or_default());
+                change += DMat3::from_cols(x, y, z);
+            }
+        }
         points.measure[i] * avatar.tissue_at(i).energy_density(DMat3::IDENTITY + change)
     };
-    (0..points.len()).map(energy).sum()
+    (0..points.len()).map(&mut energy).sum()
 }

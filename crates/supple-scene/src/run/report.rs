@@ -19,8 +19,11 @@ pub struct Report {
     pub dofs: usize,
     /// Bones.
     pub bones: usize,
-    /// Handles.
+    /// Handles, without fine ones.
     pub handles: usize,
+    /// Fine handles, most of them that were awake at a time.
+    #[serde(default)]
+    pub fine_handles: usize,
     /// Cubature points.
     pub cubature_points: usize,
     /// Skin vertices.
