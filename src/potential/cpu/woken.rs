@@ -13,9 +13,8 @@ pub(super) struct Woken {
     awake: Awake,
     pub cubature: Cubature<Mixed>,
     blocks: Vec<FineBlock>,
-    /// Scratch: the slot of each fine handle, s of each cell, blocks and targets of a point.
+    /// Scratch: the slot of each fine handle, blocks and targets of a point.
     slots: Vec<Option<u32>>,
-    shares: Vec<f64>,
     row: Vec<Mixed>,
     own: Vec<u32>,
     targets: Vec<u32>,
@@ -30,7 +29,6 @@ impl Woken {
             cubature: Cubature::default(),
             blocks: Vec::new(),
             slots: vec![None; fine.len()],
-            shares: vec![0.0; asset.cubature.len()],
             row: Vec::new(),
             own: Vec::new(),
             targets: Vec::new(),
@@ -54,8 +52,13 @@ impl Woken {
 
     /// Fills the tables with the points of `awake`.
     pub fn set<B: Basis>(&mut self, asset: &Asset<B>, awake: &Awake) {
+        let same_points = self.has_points_of(awake);
         self.awake.clone_from(awake);
         if awake.is_none() {
+            return;
+        }
+        if same_points {
+            self.set_measures(asset);
             return;
         }
         let avatar = &*asset.avatar;
@@ -64,28 +67,44 @@ impl Woken {
         for (&handle, slot) in awake.handles().iter().zip(0..) {
             self.slots[handle as usize] = Some(slot);
         }
-        self.shares.fill(0.0);
-        (awake.cells().iter()).for_each(|&(cell, s)| self.shares[cell as usize] = s);
         self.cubature.clear();
         let (own, coarse) = (&asset.cubature, asset.cubature.len());
         for i in 0..coarse {
-            let measure = match self.shares[i] {
-                0.0 => own.measure[i],
-                s => (1.0 - s) * own.measure[i] + s * fine.own_measure[i],
-            };
-            self.push(asset, i, measure, (own, i));
+            self.push(asset, i, (own, i));
         }
-        let Some(children) = &asset.children else {
-            return;
-        };
-        for &(cell, share) in awake.cells().iter().filter(|(_, share)| *share > 0.0) {
-            for child in fine.children(cell as usize) {
-                let measure = share * children.measure[child];
-                self.cubature.children.push(child as u32);
-                self.push(asset, coarse + child, measure, (children, child));
+        if let Some(children) = &asset.children {
+            for &(cell, _) in awake.cells().iter().filter(|(_, share)| *share > 0.0) {
+                for child in fine.children(cell as usize) {
+                    self.cubature.children.push(child as u32);
+                    self.push(asset, coarse + child, (children, child));
+                }
             }
         }
         self.cubature.incidence.finish(asset.space.blocks());
+        self.set_measures(asset);
+    }
+
+    /// Whether `awake` differs from what is here at most in how far cells have faded.
+    fn has_points_of(&self, awake: &Awake) -> bool {
+        fn cells(awake: &Awake) -> impl Iterator<Item = u32> {
+            let there = awake.cells().iter().filter(|(_, share)| *share > 0.0);
+            there.map(|(cell, _)| *cell)
+        }
+        self.awake.handles() == awake.handles() && cells(&self.awake).eq(cells(awake))
+    }
+
+    /// (1 − s) w + s w_own of the coarse points, s w of the children.
+    fn set_measures<B: Basis>(&mut self, asset: &Asset<B>) {
+        let (fine, own) = (&asset.avatar.fine, &asset.cubature.measure);
+        let measure = &mut self.cubature.measure;
+        measure.clear();
+        measure.extend(own);
+        for &(cell, s) in self.awake.cells().iter().filter(|(_, s)| *s > 0.0) {
+            let i = cell as usize;
+            measure[i] = (1.0 - s) * own[i] + s * fine.own_measure[i];
+            let children = fine.children(i);
+            measure.extend(fine.points.measure[children].iter().map(|w| s * w));
+        }
     }
 
     /// Adds cubature point `point` (coarse ones first), which is point `i` of `from`, with the slots that move it besides.
@@ -93,7 +112,6 @@ impl Woken {
         &mut self,
         asset: &Asset<B>,
         point: usize,
-        measure: f64,
         (from, i): (&Cubature<C>, usize),
     ) {
         let (space, first) = (asset.space, asset.avatar.coarse_handles());
@@ -126,6 +144,5 @@ impl Woken {
         (cubature.points.skinning).push(skinning.iter().copied());
         cubature.points.basis.push(self.row.iter().copied());
         cubature.incidence.push(&self.own, &self.targets);
-        cubature.measure.push(measure);
     }
 }
