@@ -66,6 +66,21 @@ impl AvatarSource {
         Ok(())
     }
 
+    /// Asks for fine handles, by default where the recipe says nothing of them.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] of what is baked already; what reading the body says.
+    pub fn set_fine_handles(&mut self) -> Result<()> {
+        let recipe = match &self.unbaked("fine_handles")?.bake {
+            Some(recipe) => recipe.clone(),
+            None => self.body()?.1,
+        };
+        let body = self.unbaked("fine_handles")?;
+        let recipe = body.bake.insert(recipe);
+        recipe.fine_handles.get_or_insert_default();
+        Ok(())
+    }
+
     fn unbaked(&mut self, key: &str) -> Result<&mut BodySource> {
         match self {
             Self::Body(body) => Ok(body),
@@ -74,5 +89,24 @@ impl AvatarSource {
                 "is for a bake, and this is baked already",
             )),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fine_handles_are_added_to_the_recipe_that_is_there() {
+        let mut limb = AvatarSource::of_sample(Sample::LimbS);
+        let own = limb.body().unwrap().1;
+        assert!(own.fine_handles.is_none());
+        limb.set_fine_handles().unwrap();
+        let asked = limb.body().unwrap().1;
+        assert!(asked.fine_handles.is_some());
+        assert_eq!(asked.handles, own.handles);
+        let mut baked = AvatarSource::Baked("baked.supple".into());
+        let error = baked.set_fine_handles().unwrap_err().to_string();
+        assert!(error.contains("fine_handles"), "{error}");
     }
 }
