@@ -156,12 +156,8 @@ impl LineSearch {
                 let difference = |k: usize| self.differences[k * alphas.len() + t].energy;
                 let decrement = minimisations[members[0]].report.decrement;
                 let demanded = SUFFICIENT_DECREASE * alphas[*t] * decrement;
-                // Where f32 does not resolve how far E should fall, the whole step is taken on trust unless E is seen to rise:
-                // in soft modes it is still tenths of a millimetre long.
-                let unresolved = 0.5 * decrement <= ENERGY_RESOLUTION;
-                let noise = if unresolved { ENERGY_RESOLUTION } else { 0.0 };
                 // False for NaN: a trial that overflows is a bad one.
-                tried.clone().map(difference).sum::<f64>() <= noise - demanded
+                tried.clone().map(difference).sum::<f64>() <= -demanded
             };
             let found = (0..alphas.len()).find(lowers);
             if let Some(t) = found {
