@@ -1,0 +1,390 @@
+//! The program, whatever shows it: events go in, time goes on, pictures come out.
+
+mod commands;
+mod event;
+mod pace;
+mod pointer;
+
+pub use event::{Button, Event};
+pub use pace::Pace;
+
+use crate::bake::{Loading, Request};
+use crate::draw::{Camera, Drawn, Gpu, Posed, Renderer, Sight, Solid};
+use crate::panel::{self, Command, Controls, Facts, Notice, Painter, Screen};
+use crate::platform::Clock;
+use crate::stage::{Stage, ValueMap};
+use crate::touch::{Balls, Grab, Probe};
+use glam::DVec3;
+use pointer::Pointer;
+use std::path::PathBuf;
+use supple::collider::Shape;
+use supple::model::UpAxis;
+use supple::wgpu;
+use supple::world::Backend;
+use supple::{Error, Result};
+use supple_files::from_srgb;
+use supple_pictures::FONT_FILE;
+use supple_scene::COLLIDER_COLOUR;
+
+/// How the program starts.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Whether the world is on the GPU that draws; else on the CPU.
+    pub on_gpu: bool,
+    /// Where bakes are kept; nowhere if none is given.
+    pub cache: Option<PathBuf>,
+    /// Where files are written.
+    pub output: PathBuf,
+}
+
+/// The program.
+pub struct App {
+    /// What is set.
+    pub controls: Controls,
+    /// How time goes.
+    pub pace: Pace,
+    /// From where it is looked.
+    pub camera: Camera,
+    options: Options,
+    stage: Option<Box<Stage>>,
+    loading: Option<Loading>,
+    notice: Option<Notice>,
+    renderer: Renderer,
+    drawn: Option<Drawn>,
+    /// Where the skin is on the device.
+    posed: Option<Posed>,
+    /// From end to end of the character, m.
+    size: f64,
+    /// Where the character's root was in the last frame.
+    root: DVec3,
+    pointer: Pointer,
+    grab: Option<Grab>,
+    probe: Option<Probe>,
+    balls: Balls,
+    commands: Vec<Command>,
+    screen: Screen,
+    context: egui::Context,
+    painter: Painter,
+    input: Vec<egui::Event>,
+    clock: Clock,
+    /// What reading and drawing cost lately, ms.
+    cost: [f64; 2],
+}
+
+impl App {
+    /// Shows nobody yet; pictures are in `format`.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat, options: Options) -> Self {
+        let renderer = Renderer::new(gpu, format);
+        Self {
+            controls: Controls::new(0.01),
+            pace: Pace::default(),
+            camera: Camera::around([DVec3::splat(-0.5), DVec3::splat(0.5)], UpAxis::Z),
+            options,
+            stage: None,
+            loading: None,
+            notice: None,
+            drawn: None,
+            posed: None,
+            size: 1.0,
+            root: DVec3::ZERO,
+            pointer: Pointer::default(),
+            grab: None,
+            probe: None,
+            balls: Balls::default(),
+            commands: Vec::new(),
+            screen: Screen {
+                size: [1, 1],
+                scale: 1.0,
+            },
+            context: context(),
+            painter: Painter::new(gpu, format),
+            input: Vec::new(),
+            clock: Clock::start(),
+            cost: [0.0; 2],
+            renderer,
+        }
+    }
+
+    /// Begins to load; who is shown stays until that is done.
+    pub fn open(&mut self, request: Request) {
+        let backend = match self.options.on_gpu {
+            true => Backend::Gpu {
+                device: self.renderer.gpu().device.clone(),
+                queue: self.renderer.gpu().queue.clone(),
+            },
+            false => Backend::Cpu,
+        };
+        self.loading = Some(Loading::start(request, self.options.cache.clone(), backend));
+        self.notice = None;
+    }
+
+    /// Whether somebody is on the way.
+    pub fn is_loading(&self) -> bool {
+        self.loading.is_some()
+    }
+
+    /// Who is shown.
+    pub fn stage(&self) -> Option<&Stage> {
+        self.stage.as_deref()
+    }
+
+    /// What was told last.
+    pub fn notice(&self) -> Option<&Notice> {
+        self.notice.as_ref()
+    }
+
+    /// Force with which the skin is held, N.
+    pub fn pull(&self) -> f64 {
+        let stage = self.stage.as_ref().filter(|_| self.grab.is_some());
+        stage
+            .and_then(|s| Grab::force(s))
+            .map_or(0.0, |(_, force)| force.length())
+    }
+
+    /// What reading the skin and drawing cost the CPU lately, besides the steps, ms.
+    pub fn frame_cost(&self) -> f64 {
+        self.cost.iter().sum()
+    }
+
+    /// Lets `seconds` pass.
+    pub async fn advance(&mut self, seconds: f64) {
+        if let Some(done) = self.loading.as_mut().and_then(Loading::poll) {
+            self.loading = None;
+            match done {
+                Ok(stage) => self.enter(stage),
+                Err(e) => self.tell_wrong(&e),
+            }
+        }
+        for command in std::mem::take(&mut self.commands) {
+            if let Err(e) = self.obey(command).await {
+                self.tell_wrong(&e);
+            }
+        }
+        self.lay_down();
+        if let Err(e) = self.move_on(seconds).await {
+            // It would fail again and again.
+            self.pace.paused = true;
+            self.tell_wrong(&e);
+        }
+    }
+
+    /// Takes the steps of a frame.
+    async fn move_on(&mut self, seconds: f64) -> Result<()> {
+        let Some(stage) = &mut self.stage else {
+            return Ok(());
+        };
+        let controls = &self.controls;
+        stage.set_time_step(controls.time_step);
+        stage.grip = 10f64.powf(controls.grip);
+        stage.set_factors(controls.factors()?)?;
+        let gravity = stage.character.scene.gravity();
+        stage.world.set_gravity(controls.gravity * gravity);
+        let steps = self.pace.steps(seconds, controls.time_step);
+        for _ in 0..steps {
+            match &self.grab {
+                Some(grab) => grab.hold(stage, controls.pull)?,
+                None => Grab::let_go(stage)?,
+            }
+            if let Some(probe) = &self.probe {
+                probe.advance(stage, controls.time_step)?;
+            }
+            stage.step().await?;
+        }
+        let clock = Clock::start();
+        if steps > 0 || stage.shown.map != controls.map {
+            stage.shown.map = controls.map;
+            stage.read().await?;
+        }
+        self.cost[0] = smoothed(self.cost[0], clock);
+        let pull = Grab::force(stage).map_or(0.0, |(_, force)| force.length());
+        if steps > 0 {
+            stage.note(steps as f64 * controls.time_step, pull)?;
+        }
+        // The camera goes with who walks.
+        let root = stage.world.instance(stage.me)?.frames()[0].position;
+        let way = root - std::mem::replace(&mut self.root, root);
+        let up = self.camera.up.direction();
+        self.camera.target += way - way.dot(up) * up;
+        Ok(())
+    }
+
+    /// Shows a new character in place of the old one.
+    fn enter(&mut self, stage: Box<Stage>) {
+        let map = self.controls.map;
+        self.controls = Controls {
+            tool: self.controls.tool,
+            map,
+            ..Controls::new(stage.time_step())
+        };
+        let [low, high] = stage.bounds();
+        self.size = (high - low).length().max(1e-3);
+        self.root = stage
+            .world
+            .instance(stage.me)
+            .map_or(DVec3::ZERO, |c| c.frames()[0].position);
+        self.drawn = Some(
+            self.renderer
+                .character(&stage.character.avatar, &stage.character.look),
+        );
+        self.posed = None;
+        (self.grab, self.probe, self.balls) = (None, None, Balls::default());
+        self.camera = Camera::around([low, high], stage.world.up());
+        self.stage = Some(stage);
+    }
+
+    fn tell_wrong(&mut self, error: &Error) {
+        self.notice = Some(Notice {
+            text: error.to_string(),
+            wrong: true,
+        });
+    }
+
+    /// Draws a frame: the scene, and the panel at its right.
+    pub fn draw(&mut self, target: &wgpu::TextureView, screen: Screen) {
+        self.screen = screen;
+        let clock = Clock::start();
+        let output = self.lay_out();
+        let primitives = self
+            .context
+            .tessellate(output.shapes, output.pixels_per_point);
+        let gpu = self.renderer.gpu().clone();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let solids = self.solids();
+        self.bring_skin();
+        let sight = Sight {
+            camera: &self.camera,
+            solids: &solids,
+            extent: self.size,
+            own_colour: 0.0,
+        };
+        let sizes = [self.scene_size(), screen.size];
+        let character = self.drawn.as_mut().zip(self.posed.as_ref());
+        self.renderer
+            .draw(&mut encoder, character, &sight, target, sizes);
+        let changed = &output.textures_delta;
+        (self.painter).paint(&mut encoder, target, screen, &primitives, changed);
+        gpu.queue.submit([encoder.finish()]);
+        self.cost[1] = smoothed(self.cost[1], clock);
+    }
+
+    /// Lays out the panel.
+    fn lay_out(&mut self) -> egui::FullOutput {
+        let screen = self.screen;
+        let size = screen.size.map(|n| n as f32 / screen.scale);
+        let mut input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size.into())),
+            time: Some(self.clock.seconds()),
+            events: std::mem::take(&mut self.input),
+            ..Default::default()
+        };
+        let viewport = input.viewports.entry(egui::ViewportId::ROOT).or_default();
+        viewport.native_pixels_per_point = Some(screen.scale);
+        let facts = Facts {
+            stage: self.stage.as_deref(),
+            loading: self.loading.as_ref(),
+            notice: self.notice.as_ref(),
+            frame: self.frame_cost(),
+            pull: self.pull(),
+        };
+        let (controls, pace) = (&mut self.controls, &mut self.pace);
+        let mut asked = Vec::new();
+        let output = self.context.run(input, |context| {
+            asked = panel::show(context, controls, pace, &facts);
+        });
+        self.commands.extend(asked);
+        output
+    }
+
+    /// Brings skin and colours onto the device.
+    fn bring_skin(&mut self) {
+        let (Some(stage), Some(drawn)) = (&self.stage, &mut self.drawn) else {
+            return;
+        };
+        let gpu = self.renderer.gpu();
+        let shown = &stage.shown;
+        let there = stage.world.skin_buffer(stage.me).ok().flatten();
+        // Before its first step a world on the device has drawn nothing.
+        self.posed = Some(match there.filter(|_| stage.time > 0.0) {
+            Some(skin) => Posed {
+                buffer: skin.buffer.clone(),
+                range: skin.range,
+                origin: skin.origin,
+            },
+            None => (drawn.skin).upload(gpu, &shown.positions, &shown.normals, self.root),
+        });
+        if shown.map != ValueMap::None || shown.was_coloured {
+            drawn.skin.show(gpu, &shown.colours);
+        }
+    }
+
+    /// What stands beside the character.
+    fn solids(&mut self) -> Vec<Solid> {
+        let mut solids = Vec::new();
+        let Some(stage) = &mut self.stage else {
+            return solids;
+        };
+        for key in stage.colliders.clone() {
+            let Ok(collider) = stage.world.collider_mut(key) else {
+                continue;
+            };
+            let ground = collider.shape == Shape::HalfSpace;
+            let colour = if ground {
+                [0.42; 3]
+            } else {
+                from_srgb(COLLIDER_COLOUR)
+            };
+            if ground || self.controls.colliders {
+                solids.push(Solid::of_shape(&collider.shape, collider.frame, colour));
+            }
+        }
+        for (key, body) in stage.bodies.iter().zip(&stage.character.scene.bodies) {
+            if let Ok(frame) = stage.world.body_frame(*key) {
+                solids.push(Solid::of_shape(&body.shape, frame, BODY));
+            }
+        }
+        self.balls.solids(stage, &mut solids);
+        if let Some(probe) = &self.probe {
+            probe.solids(stage, &mut solids);
+        }
+        if self.grab.is_some() {
+            Grab::solids(stage, self.size, &mut solids);
+        }
+        if self.controls.handles {
+            let at = |v: &u32| stage.shown.positions[*v as usize];
+            let dots = stage.character.handles.iter().map(at);
+            solids.extend(dots.map(|at| Solid::dot(at, 0.004 * self.size, HANDLE)));
+        }
+        solids
+    }
+
+    /// The pixels left of the panel.
+    fn scene_size(&self) -> [u32; 2] {
+        let [width, height] = self.screen.size;
+        let panel = (panel::WIDTH * self.screen.scale) as u32;
+        [width.saturating_sub(panel).max(1), height.max(1)]
+    }
+}
+
+/// Linear red, green, blue.
+const BODY: [f32; 3] = [0.75, 0.3, 0.03];
+const HANDLE: [f32; 3] = [0.05, 0.6, 0.25];
+
+/// A mean over some twenty frames, ms.
+fn smoothed(before: f64, clock: Clock) -> f64 {
+    before + 0.05 * (1e3 * clock.seconds() - before)
+}
+
+/// The panel's context, with the font of the pictures.
+fn context() -> egui::Context {
+    let context = egui::Context::default();
+    let mut fonts = egui::FontDefinitions::empty();
+    let name = "DejaVu Sans".to_owned();
+    let font = egui::FontData::from_static(FONT_FILE);
+    fonts.font_data.insert(name.clone(), font.into());
+    for family in [egui::FontFamily::Proportional, egui::FontFamily::Monospace] {
+        fonts.families.insert(family, vec![name.clone()]);
+    }
+    context.set_fonts(fonts);
+    context.set_theme(egui::Theme::Dark);
+    context
+}

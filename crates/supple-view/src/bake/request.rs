@@ -1,0 +1,75 @@
+//! What is to be shown.
+
+use std::path::PathBuf;
+use supple::Result;
+use supple_samples::Sample;
+use supple_scene::{
+    AvatarSource, Scene, avatar_source_of, committed_scenes, read_scene, unpack_scenes,
+};
+
+/// What is to be shown.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// A body that the program makes itself.
+    Sample(Sample),
+    /// Any file: a character, a baked avatar, a recipe, a scene.
+    File(PathBuf),
+    /// A scene, by its file or the name of one that comes with the program; with another avatar than its own, if one is
+    /// given.
+    Scene {
+        /// File or name.
+        scene: PathBuf,
+        /// In place of its own avatar.
+        avatar: Option<PathBuf>,
+    },
+}
+
+impl Request {
+    /// What it is called before it is read.
+    pub fn name(&self) -> String {
+        let stem = |path: &PathBuf| {
+            path.file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into()
+        };
+        match self {
+            Self::Sample(sample) => format!("{sample:?}").to_lowercase(),
+            Self::File(path) => stem(path),
+            Self::Scene { scene, avatar } => stem(avatar.as_ref().unwrap_or(scene)),
+        }
+    }
+
+    /// Who it is about, and the scene that somebody wrote, if there is one.
+    pub(super) fn source(&self) -> Result<(AvatarSource, Option<Scene>)> {
+        match self {
+            Self::Sample(sample) => Ok((AvatarSource::of_sample(*sample), None)),
+            Self::File(path) => {
+                let source = avatar_source_of(path)?;
+                // A scene is a file of the same kind as a recipe.
+                let scene = path
+                    .extension()
+                    .is_some_and(|e| e == "toml")
+                    .then(|| read_scene(path));
+                Ok((source, scene.and_then(Result::ok)))
+            }
+            Self::Scene { scene, avatar } => {
+                let mut scene = read_scene(scene_file(scene)?)?;
+                if let Some(path) = avatar {
+                    scene.avatar = avatar_source_of(path)?;
+                }
+                Ok((scene.avatar.clone(), Some(scene)))
+            }
+        }
+    }
+}
+
+/// The file of a scene, or that of a committed one of this name.
+fn scene_file(scene: &PathBuf) -> Result<PathBuf> {
+    let name = scene.to_string_lossy();
+    if scene.exists() || !committed_scenes().any(|known| known == name) {
+        return Ok(scene.clone());
+    }
+    let folder = std::env::temp_dir().join("supple-scenes");
+    Ok(unpack_scenes(&folder)?.join(format!("{name}.toml")))
+}

@@ -1,0 +1,125 @@
+//! What a hand does.
+
+use super::{alone, differing, drag, keep, limb, middle};
+use supple_view::{Button, Command, Event, Key, Tool, ValueMap};
+
+#[test]
+fn a_grab_pulls_flesh_and_lets_it_go() {
+    let _turn = alone();
+    let Some(mut view) = limb(false) else { return };
+    let before = view.picture().unwrap();
+    let from = middle();
+    drag(&mut view, from, [from[0], from[1] - 90.0], Button::Primary);
+    view.run(0.4);
+    let held = view.picture().unwrap();
+    keep(&held, "grabbed");
+    let moved = differing(&before, &held);
+    let pull = view.app.pull();
+    let displaced = view.app.stage().unwrap().measures.last().displacement;
+    assert!(
+        moved > 500 && pull > 0.2 && displaced > 2e-3,
+        "{moved} pixels, {pull} N, {displaced} m"
+    );
+    view.handle(Event::Button(Button::Primary, false));
+    view.run(1.0);
+    assert_eq!(view.app.pull(), 0.0);
+    let left = view.app.stage().unwrap().measures.last().displacement;
+    assert!(left < 0.1 * displaced, "{left} m of {displaced} m are left");
+}
+
+#[test]
+fn a_softer_tissue_gives_way_further_to_the_same_pull() {
+    let _turn = alone();
+    let Some(mut view) = limb(false) else { return };
+    let mut displaced = |softness: f64| {
+        view.app.ask(Command::Reset);
+        view.app.controls.softness = softness;
+        view.app.controls.pull = 20.0;
+        let from = middle();
+        drag(&mut view, from, [from[0], from[1] - 60.0], Button::Primary);
+        view.run(0.5);
+        let displaced = view.app.stage().unwrap().measures.last().displacement;
+        view.handle(Event::Button(Button::Primary, false));
+        displaced
+    };
+    let (firm, soft) = (displaced(1.0), displaced(3.0));
+    assert!(soft > 1.5 * firm, "{soft} m, {firm} m");
+}
+
+#[test]
+fn a_ball_on_the_cursor_is_pressed_in_by_the_wheel_and_colours_what_it_presses() {
+    let _turn = alone();
+    let Some(mut view) = limb(false) else { return };
+    view.app.controls.map = ValueMap::Pressure;
+    view.handle(Event::Key(Key::Num2, true));
+    assert_eq!(view.app.controls.tool, Tool::Ball);
+    view.handle(Event::Moved(middle()));
+    view.run(0.2);
+    let force = |view: &super::Offscreen| view.app.stage().unwrap().measures.last().force;
+    let stands = force(&view);
+    let hovering = view.picture().unwrap();
+    keep(&hovering, "hovering");
+    for _ in 0..12 {
+        view.handle(Event::Wheel(1.0));
+        view.run(1.0 / 60.0);
+    }
+    view.run(0.4);
+    let pressed = view.picture().unwrap();
+    keep(&pressed, "pressed");
+    assert!(force(&view) > stands + 0.5, "{} N", force(&view));
+    let stage = view.app.stage().unwrap();
+    let most = stage.shown.pressures.iter().copied().fold(0.0, f64::max);
+    assert!(most > 1e3, "{most} Pa");
+    // Out again.
+    for _ in 0..14 {
+        view.handle(Event::Wheel(-1.0));
+        view.run(1.0 / 60.0);
+    }
+    view.run(0.5);
+    assert!(force(&view) < stands + 0.2, "{} N", force(&view));
+    view.handle(Event::Key(Key::Num1, true));
+    view.run(0.1);
+    assert!(differing(&hovering, &view.picture().unwrap()) > 300);
+}
+
+#[test]
+fn thrown_balls_fly_hit_and_are_gone_after_a_reset() {
+    let _turn = alone();
+    let Some(mut view) = limb(false) else { return };
+    view.app.pace.paused = true;
+    let before = view.picture().unwrap();
+    view.app.pace.paused = false;
+    view.handle(Event::Moved(middle()));
+    view.handle(Event::Key(Key::B, true));
+    view.run(0.1);
+    let flying = view.picture().unwrap();
+    keep(&flying, "thrown");
+    assert!(differing(&before, &flying) > 300);
+    let mut most = 0.0f64;
+    for _ in 0..40 {
+        view.run(1.0 / 60.0);
+        most = most.max(view.app.stage().unwrap().measures.last().displacement);
+    }
+    assert!(most > 5e-4, "{most} m");
+    view.handle(Event::Key(Key::R, true));
+    view.run(0.05);
+    assert!(differing(&before, &view.picture().unwrap()) < 400);
+}
+
+#[test]
+fn a_moment_is_kept_and_restored() {
+    let _turn = alone();
+    let Some(mut view) = limb(false) else { return };
+    view.run(0.3);
+    view.handle(Event::Key(Key::K, true));
+    view.handle(Event::Key(Key::Space, true));
+    view.run(0.02);
+    let kept = view.app.stage().unwrap().shown.positions.clone();
+    view.handle(Event::Key(Key::Space, true));
+    view.run(0.5);
+    assert_ne!(kept, view.app.stage().unwrap().shown.positions);
+    view.handle(Event::Key(Key::Space, true));
+    view.handle(Event::Key(Key::L, true));
+    view.run(0.02);
+    assert_eq!(kept, view.app.stage().unwrap().shown.positions);
+}
