@@ -1,11 +1,19 @@
 //! `supple view`.
 
-use super::backend::Backend;
 use super::terminal::print;
 use std::path::PathBuf;
 use supple::{Error, Result};
 use supple_samples::Sample;
 use supple_view::{Offscreen, Options, Request, open_window};
+
+/// What evaluates the potential.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Backend {
+    /// The f64 evaluation.
+    Cpu,
+    /// The GPU that draws.
+    Gpu,
+}
 
 /// Arguments of `supple view`.
 #[derive(clap::Args)]
@@ -16,7 +24,7 @@ pub struct Arguments {
     /// A scene, by its file or the name of one that comes with the program; FILE, if named, takes the place of its avatar.
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
-    /// What evaluates the potential: the CPU, or the GPU that draws.
+    /// What evaluates the potential.
     #[arg(long, value_enum, default_value = "cpu")]
     backend: Backend,
     /// Write a picture of it instead of opening a window; a software adapter will do.

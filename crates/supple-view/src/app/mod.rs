@@ -12,7 +12,7 @@ use crate::bake::{Loading, Request};
 use crate::draw::{Camera, Drawn, Gpu, Posed, Renderer, Sight, Solid};
 use crate::panel::{self, Command, Controls, Facts, Notice, Painter, Screen};
 use crate::platform::Clock;
-use crate::stage::{Stage, ValueMap};
+use crate::stage::Stage;
 use crate::touch::{Balls, Grab, Probe};
 use glam::DVec3;
 use pointer::Pointer;
@@ -59,6 +59,8 @@ pub struct App {
     root: DVec3,
     pointer: Pointer,
     grab: Option<Grab>,
+    /// How firmly bones are held: the power of ten of a factor.
+    grip: f64,
     probe: Option<Probe>,
     balls: Balls,
     commands: Vec<Command>,
@@ -89,6 +91,7 @@ impl App {
             root: DVec3::ZERO,
             pointer: Pointer::default(),
             grab: None,
+            grip: 0.0,
             probe: None,
             balls: Balls::default(),
             commands: Vec::new(),
@@ -170,12 +173,18 @@ impl App {
 
     /// Takes the steps of a frame.
     async fn move_on(&mut self, seconds: f64) -> Result<()> {
+        let over = self.pointer.scene(self.scene_size()).is_some();
         let Some(stage) = &mut self.stage else {
             return Ok(());
         };
         let controls = &self.controls;
         stage.set_time_step(controls.time_step);
-        stage.grip = 10f64.powf(controls.grip);
+        self.grip = match self.grab {
+            Some(_) => controls.grip,
+            // Who is let go comes back gently.
+            None => (self.grip + LETTING_GO * seconds).min(0.0),
+        };
+        stage.grip = 10f64.powf(self.grip);
         stage.set_factors(controls.factors()?)?;
         let gravity = stage.character.scene.gravity();
         stage.world.set_gravity(controls.gravity * gravity);
@@ -191,9 +200,10 @@ impl App {
             stage.step().await?;
         }
         let clock = Clock::start();
-        if steps > 0 || stage.shown.map != controls.map {
-            stage.shown.map = controls.map;
-            stage.read().await?;
+        if steps > 0 || stage.shown.map() != controls.map {
+            stage.shown.set_map(controls.map);
+            let touch = over || self.grab.is_some() || controls.handles;
+            stage.read(touch).await?;
         }
         self.cost[0] = smoothed(self.cost[0], clock);
         let pull = Grab::force(stage).map_or(0.0, |(_, force)| force.length());
@@ -303,8 +313,7 @@ impl App {
         let gpu = self.renderer.gpu();
         let shown = &stage.shown;
         let there = stage.world.skin_buffer(stage.me).ok().flatten();
-        // Before its first step a world on the device has drawn nothing.
-        self.posed = Some(match there.filter(|_| stage.time > 0.0) {
+        self.posed = Some(match there {
             Some(skin) => Posed {
                 buffer: skin.buffer.clone(),
                 range: skin.range,
@@ -312,7 +321,7 @@ impl App {
             },
             None => (drawn.skin).upload(gpu, &shown.positions, &shown.normals, self.root),
         });
-        if shown.map != ValueMap::None || shown.was_coloured {
+        if shown.coloured {
             drawn.skin.show(gpu, &shown.colours);
         }
     }
@@ -364,6 +373,9 @@ impl App {
         [width.saturating_sub(panel).max(1), height.max(1)]
     }
 }
+
+/// How fast the hold on bones comes back, powers of ten a second.
+const LETTING_GO: f64 = 4.0;
 
 /// Linear red, green, blue.
 const BODY: [f32; 3] = [0.75, 0.3, 0.03];

@@ -138,7 +138,8 @@ impl App {
         if self.ray().is_none() {
             return;
         }
-        if let Some(probe) = &mut self.probe {
+        let over = self.hit().is_some();
+        if let Some(probe) = (self.probe.as_mut()).filter(|p| over || p.pressed > 0.0) {
             probe.press(notches);
             self.hover();
         } else if let Some(grab) = &mut self.grab {

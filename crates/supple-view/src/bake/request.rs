@@ -34,7 +34,10 @@ impl Request {
                 .into()
         };
         match self {
-            Self::Sample(sample) => format!("{sample:?}").to_lowercase(),
+            Self::Sample(sample) => {
+                let key = serde_json::to_value(sample).unwrap_or_default();
+                key.as_str().unwrap_or("sample").into()
+            }
             Self::File(path) => stem(path),
             Self::Scene { scene, avatar } => stem(avatar.as_ref().unwrap_or(scene)),
         }

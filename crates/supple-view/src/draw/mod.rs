@@ -121,11 +121,6 @@ impl Renderer {
         &self.gpu
     }
 
-    /// What pictures are in.
-    pub fn format(&self) -> wgpu::TextureFormat {
-        self.format
-    }
-
     /// Brings a character onto the device.
     pub fn character(&self, avatar: &Avatar, look: &Look) -> Drawn {
         Drawn {
@@ -201,7 +196,7 @@ impl Renderer {
         for (vector, last) in [
             (relative(camera.eye()), sight.own_colour),
             (sun, horizon),
-            (up.as_vec3(), 0.0),
+            (up.as_vec3(), square(sight.extent) as f32),
             (relative(skin_origin), 0.0),
             (relative(DVec3::ZERO), 0.0),
         ] {
@@ -223,6 +218,11 @@ impl Renderer {
             texture.create_view(&Default::default())
         })
     }
+}
+
+/// Side of the ground's squares under something of this size, m: a power of ten.
+fn square(extent: f64) -> f64 {
+    10f64.powf((0.3 * extent).log10().round())
 }
 
 /// From places relative to the target to the sun's picture of them, `reach` m to each side.

@@ -11,6 +11,8 @@ struct View {
     // Where the ground has faded into the background, m.
     horizon: f32,
     up: vec3<f32>,
+    // Side of the ground's squares, m.
+    square: f32,
     // To the skin's origin, and to the world's.
     skin_origin: vec3<f32>,
     world_origin: vec3<f32>,
@@ -136,7 +138,7 @@ fn lit(colour: vec3<f32>, place: vec3<f32>, normal: vec3<f32>, shine: f32) -> ve
     let sky = 0.5 + 0.5 * dot(normal, view.up);
     let half_way = normalize(view.sun + normalize(view.eye - place));
     let gleam = shine * pow(max(dot(normal, half_way), 0.0), 40.0) * sun;
-    return colour * (0.85 * sun + 0.22 + 0.25 * sky) + vec3(gleam);
+    return colour * (0.68 * sun + 0.12 + 0.2 * sky) + vec3(gleam);
 }
 
 // The normal map's normal, in the tangent frame of the drawn triangle, which derivatives give.
@@ -169,7 +171,7 @@ fn skin_colour(in: SkinFragment) -> @location(0) vec4<f32> {
         discard;
     }
     let base = mix(texel.rgb, in.shown.rgb, in.shown.a * (1.0 - view.own_colour));
-    return vec4(lit(base, in.place, normal, 0.12) + surface.glow * base, 1.0);
+    return vec4(lit(base, in.place, normal, 0.07) + surface.glow * base, 1.0);
 }
 
 const BACKGROUND = vec3<f32>(0.55, 0.6, 0.66);
@@ -180,12 +182,14 @@ fn solid_colour(in: SolidFragment) -> @location(0) vec4<f32> {
     if (in.colour.a > 0.0) {
         return vec4(lit(in.colour.rgb, in.place, normal, 0.25), 1.0);
     }
-    // The ground: squares of half a metre, across whichever axis points up.
+    // The ground: squares across whichever axis points up, which blur where they are smaller than a pixel.
     let from_origin = in.place - view.world_origin;
     let first = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), view.up.x > 0.5);
     let second = cross(view.up, first);
-    let square = floor(2.0 * vec2(dot(from_origin, first), dot(from_origin, second)));
-    let dark = abs(square.x + square.y) % 2.0;
+    let at = vec2(dot(from_origin, first), dot(from_origin, second)) / view.square;
+    let blur = max(fwidth(at.x), fwidth(at.y));
+    let square = floor(at);
+    let dark = mix(abs(square.x + square.y) % 2.0, 0.5, smoothstep(0.1, 0.6, blur));
     let away = smoothstep(0.25 * view.horizon, view.horizon, length(in.place));
     return vec4(mix(lit(in.colour.rgb * (1.0 - 0.14 * dark), in.place, normal, 0.0), BACKGROUND, away), 1.0);
 }

@@ -22,7 +22,7 @@ pub struct Controls {
     pub tension: f64,
     /// s.
     pub time_step: f64,
-    /// How firmly bones are held where the scene draws them: the power of ten of a factor.
+    /// How firmly bones are held while something is grabbed: the power of ten of a factor on the scene's springs.
     pub grip: f64,
     /// Of the spring that grabs, N/m.
     pub pull: f64,
@@ -47,7 +47,7 @@ impl Controls {
             friction: 1.0,
             tension: 0.0,
             time_step,
-            grip: 0.0,
+            grip: -2.0,
             pull: 300.0,
             tool: Tool::Hand,
             map: ValueMap::None,

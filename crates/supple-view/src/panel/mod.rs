@@ -80,7 +80,7 @@ fn who(ui: &mut Ui, facts: &Facts<'_>, asked: &mut Vec<Command>) {
         let (vertices, bones, handles) = (avatar.skin.len(), avatar.bones(), avatar.handles.len());
         ui.label(&character.does);
         ui.weak(format!(
-            "{vertices} vertices, {bones} bones, {handles} handles"
+            "vertices {vertices}, bones {bones}, handles {handles}"
         ));
         for note in &character.notes {
             ui.weak(note);
@@ -151,7 +151,7 @@ fn touch(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>, asked: &mut Ve
                     .logarithmic(true)
                     .text("pull, N/m"),
             );
-            ui.add(Slider::new(&mut controls.grip, -4.0..=0.0).text("grip of bones, 10^"));
+            ui.add(Slider::new(&mut controls.grip, -4.0..=0.0).text("bones held, 10^"));
             ui.label(format!("held with {:.2} N", facts.pull));
         }
         _ => {

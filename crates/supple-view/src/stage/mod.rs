@@ -112,7 +112,7 @@ impl Stage {
             start,
             kept: None,
         };
-        stage.read().await?;
+        stage.read(true).await?;
         Ok(stage)
     }
 
@@ -175,15 +175,18 @@ impl Stage {
         Ok(())
     }
 
-    /// Reads what the last step left: skin, contacts, displacements.
+    /// Reads what the last step left: skin, contacts, displacements. The skin of a world on the device is drawn from where it
+    /// is, and read only where somebody wants to `touch` it.
     ///
     /// # Errors
     /// A lost device.
-    pub async fn read(&mut self) -> Result<()> {
+    pub async fn read(&mut self, touch: bool) -> Result<()> {
         let (world, me) = (&mut self.world, self.me);
         let shown = &mut self.shown;
-        (world.read_skin(me, &mut shown.positions, &mut shown.normals)).await?;
-        if shown.map == ValueMap::Pressure {
+        if touch || world.skin_buffer(me)?.is_none() {
+            (world.read_skin(me, &mut shown.positions, &mut shown.normals)).await?;
+        }
+        if shown.map() == ValueMap::Pressure {
             (world.read_contacts(me, &mut shown.forces, &mut shown.pressures)).await?;
         }
         let character = world.instance(me)?;
@@ -237,7 +240,7 @@ impl Stage {
         self.world.restore(&self.start)?;
         self.time = 0.0;
         self.record.clear();
-        self.read().await
+        self.read(true).await
     }
 
     /// Keeps this moment.
@@ -264,7 +267,7 @@ impl Stage {
             self.time = *time;
             self.record.clear();
         }
-        self.read().await
+        self.read(true).await
     }
 }
 

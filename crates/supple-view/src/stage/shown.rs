@@ -44,7 +44,7 @@ impl ValueMap {
     /// The smallest value of the darkest colour, in SI units: what is less hardly shows.
     fn least(self) -> f64 {
         match self {
-            Self::None => 1.0,
+            Self::None => 0.0,
             Self::Displacement | Self::Depth => 2e-3,
             Self::Pressure => 2e3,
         }
@@ -65,13 +65,14 @@ pub struct Shown {
     /// Pa; read where they are shown.
     pub pressures: Vec<f64>,
     /// Which values colour it.
-    pub map: ValueMap,
+    map: ValueMap,
     /// The value of the darkest colour, SI.
     pub most: f64,
     /// A colour for each vertex and how much of it is seen.
     pub colours: Vec<[f32; 4]>,
-    /// Whether the skin was coloured when it was read before.
-    pub was_coloured: bool,
+    /// Whether the skin is coloured, or was when it was read before: then the colours are news.
+    pub coloured: bool,
+    was_coloured: bool,
 }
 
 impl Shown {
@@ -80,6 +81,18 @@ impl Shown {
         Self {
             colours: vec![[0.0; 4]; character.avatar.skin.len()],
             ..Self::default()
+        }
+    }
+
+    /// Which values colour it.
+    pub fn map(&self) -> ValueMap {
+        self.map
+    }
+
+    /// Has other values colour it from the next time on that it is read.
+    pub fn set_map(&mut self, map: ValueMap) {
+        if map != self.map {
+            (self.map, self.most) = (map, 0.0);
         }
     }
 
@@ -101,7 +114,8 @@ impl Shown {
             [r, g, b, if v < tissue { opacity } else { 0.0 }]
         };
         let coloured = self.map != ValueMap::None;
-        if coloured || self.was_coloured {
+        self.coloured = coloured || self.was_coloured;
+        if self.coloured {
             let colours: Vec<_> = (0..count).map(colour).collect();
             self.colours = colours;
         }

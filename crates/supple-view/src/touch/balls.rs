@@ -12,7 +12,7 @@ use supple::world::BodyId;
 /// Most that lie about: the oldest goes when another comes.
 const MOST: usize = 4;
 /// kg/m³.
-const DENSITY: f64 = 400.0;
+const DENSITY: f64 = 1000.0;
 /// Linear red, green, blue.
 const COLOUR: [f32; 3] = [0.75, 0.3, 0.03];
 
@@ -25,7 +25,7 @@ pub struct Balls {
 }
 
 impl Balls {
-    /// Throws one from the eye along `ray` at a character of this size (m), so fast that it flies about a second of its way.
+    /// Throws one from the eye along `ray` at a character of this size, m, half of the way `away` (m) before it.
     ///
     /// # Errors
     /// Limits of the device.
@@ -50,8 +50,8 @@ impl Balls {
             ..Frame::IDENTITY
         };
         let id = stage.world.add_body(body.at(frame))?;
-        // 0.25 s of flight: the fall on the way is aimed away.
-        let flight = 0.25;
+        // As fast as looks right at this size; the fall on the way is aimed away.
+        let flight = 0.2 * size.sqrt();
         let fall = 0.5 * flight * stage.world.gravity().dot(up);
         let velocity = ray.direction * (0.5 * away / flight) - fall * up;
         stage
@@ -59,16 +59,6 @@ impl Balls {
             .set_body_motion(id, &frame, velocity, DVec3::ZERO)?;
         self.bodies.push_back(id);
         Ok(())
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.bodies.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.bodies.is_empty()
     }
 
     /// Forgets them: the world has been put back.

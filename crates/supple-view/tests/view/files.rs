@@ -27,7 +27,7 @@ fn what_cannot_be_shown_is_told_and_the_old_character_stays() {
             notice.text
         );
         assert!(notice.text.contains(says), "{}", notice.text);
-        assert_eq!(view.app.stage().unwrap().character.name, "limbs");
+        assert_eq!(view.app.stage().unwrap().character.name, "limb_s");
         view.run(0.05);
     }
     keep(&view.picture().unwrap(), "refused");
@@ -46,10 +46,10 @@ fn a_glb_of_the_last_seconds_and_a_recipe_are_written() {
         assert!(!notice.wrong, "{}", notice.text);
     }
     let folder = super::cache().join("written");
-    let written = std::fs::read(folder.join("limbs.glb")).unwrap();
+    let written = std::fs::read(folder.join("limb_s.glb")).unwrap();
     let glb = gltf::Gltf::from_slice(&written).unwrap();
     assert_eq!(glb.animations().count(), 1);
-    let recipe = supple_scene::read_avatar_source(folder.join("limbs.toml")).unwrap();
+    let recipe = supple_scene::read_avatar_source(folder.join("limb_s.toml")).unwrap();
     assert_eq!(recipe.sample(), Some(supple_samples::Sample::LimbS));
 }
 

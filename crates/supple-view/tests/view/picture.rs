@@ -97,6 +97,13 @@ fn values_colour_the_skin_and_handles_are_dots() {
     view.run(0.1);
     let depth = view.picture().unwrap();
     keep(&depth, "depth");
+    let stage = view.app.stage().unwrap();
+    let depths = &stage.character.depths;
+    println!(
+        "{:?} {}",
+        depths.iter().copied().fold(0.0, f64::max),
+        stage.shown.most
+    );
     assert!(differing(&painted, &depth) > 2000);
     view.app.controls.map = ValueMap::None;
     view.run(0.1);
@@ -105,9 +112,28 @@ fn values_colour_the_skin_and_handles_are_dots() {
     let dots = view.picture().unwrap();
     let green = |p: [u8; 3]| p[1] > p[0].saturating_add(40) && p[1] > p[2].saturating_add(30);
     let row = |y: u32| (0..scene()[0]).map(move |x| (x, y));
+    keep(&dots, "handles");
     let count = (0..scene()[1])
         .flat_map(row)
         .filter(|&(x, y)| green(dots.at(x, y)))
         .count();
     assert!(count > 100, "{count}");
+}
+
+/// Colours and shadows of one character, wherever its skin is computed.
+#[test]
+fn a_world_on_the_device_is_drawn_from_where_its_skin_is() {
+    let _turn = alone();
+    let (Some(mut on_cpu), Some(mut on_gpu)) = (limb(false), limb(true)) else {
+        return;
+    };
+    let pictures = [&mut on_cpu, &mut on_gpu].map(|view| {
+        view.run(0.3);
+        view.picture().unwrap()
+    });
+    keep(&pictures[1], "on_gpu");
+    assert!(on_gpu.app.stage().unwrap().world.backend() != "cpu");
+    assert!(skin(&pictures[1]) > 5000);
+    let different = differing(&pictures[0], &pictures[1]);
+    assert!(different < 100, "{different} pixels");
 }
