@@ -138,10 +138,23 @@ impl App {
 
     /// Force with which the skin is held, N.
     pub fn pull(&self) -> f64 {
-        let stage = self.stage.as_ref().filter(|_| self.grab.is_some());
-        stage
-            .and_then(|s| Grab::force(s))
-            .map_or(0.0, |(_, force)| force.length())
+        match (&self.grab, &self.stage) {
+            (Some(grab), Some(stage)) => grab.force(stage, self.controls.pull, self.size),
+            _ => 0.0,
+        }
+    }
+
+    /// The force's label, and where it stands in the scene, points.
+    fn pull_label(&self) -> Option<(egui::Pos2, String)> {
+        let (grab, stage) = (self.grab.as_ref()?, self.stage.as_ref()?);
+        let place = grab.label_place(stage, self.size);
+        let [x, y] = self.camera.project(place, self.aspect())?;
+        let size = self.scene_size().map(|n| n as f32 / self.screen.scale);
+        let at = egui::Pos2::new(
+            0.5 * size[0] * (1.0 + x as f32),
+            0.5 * size[1] * (1.0 - y as f32),
+        );
+        Some((at, format!("{:.2} N", self.pull())))
     }
 
     /// What reading the skin and drawing cost the CPU lately, besides the steps, ms.
@@ -191,7 +204,7 @@ impl App {
         let steps = self.pace.steps(seconds, controls.time_step);
         for _ in 0..steps {
             match &self.grab {
-                Some(grab) => grab.hold(stage, controls.pull)?,
+                Some(grab) => grab.hold(stage, controls.pull, self.size)?,
                 None => Grab::let_go(stage)?,
             }
             if let Some(probe) = &self.probe {
@@ -206,7 +219,10 @@ impl App {
             stage.read(touch).await?;
         }
         self.cost[0] = smoothed(self.cost[0], clock);
-        let pull = Grab::force(stage).map_or(0.0, |(_, force)| force.length());
+        let pull = match &self.grab {
+            Some(grab) => grab.force(stage, controls.pull, self.size),
+            None => 0.0,
+        };
         if steps > 0 {
             stage.note(steps as f64 * controls.time_step, pull)?;
         }
@@ -294,6 +310,7 @@ impl App {
             loading: self.loading.as_ref(),
             notice: self.notice.as_ref(),
             frame: self.frame_cost(),
+            label: self.pull_label(),
             pull: self.pull(),
         };
         let (controls, pace) = (&mut self.controls, &mut self.pace);
@@ -355,8 +372,8 @@ impl App {
         if let Some(probe) = &self.probe {
             probe.solids(stage, &mut solids);
         }
-        if self.grab.is_some() {
-            Grab::solids(stage, self.size, &mut solids);
+        if let Some(grab) = &self.grab {
+            grab.solids(stage, self.size, &mut solids);
         }
         if self.controls.handles {
             let at = |v: &u32| stage.shown.positions[*v as usize];

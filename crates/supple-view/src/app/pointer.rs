@@ -125,7 +125,7 @@ impl App {
                 let hit = self.hit().filter(|_| self.controls.tool == Tool::Hand);
                 match (hit, &self.stage) {
                     (Some((_, hit)), Some(stage)) => {
-                        self.grab = Some(Grab::new(&hit, &self.camera, &stage.shown.positions));
+                        self.grab = Some(Grab::new(&hit, &self.camera, stage, self.size));
                         Drag::None
                     }
                     _ => Drag::Turn,
@@ -143,7 +143,7 @@ impl App {
             probe.press(notches);
             self.hover();
         } else if let Some(grab) = &mut self.grab {
-            grab.come_near(-0.02 * self.size * notches);
+            grab.push(0.02 * self.size * notches);
             if let (Some(ray), Some(grab)) = (self.ray(), &mut self.grab) {
                 grab.follow(&ray, &self.camera);
             }

@@ -47,7 +47,7 @@ impl Controls {
             friction: 1.0,
             tension: 0.0,
             time_step,
-            grip: -2.0,
+            grip: -3.0,
             pull: 300.0,
             tool: Tool::Hand,
             map: ValueMap::None,

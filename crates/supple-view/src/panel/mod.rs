@@ -39,6 +39,8 @@ pub struct Facts<'a> {
     pub frame: f64,
     /// Force with which the skin is held, N.
     pub pull: f64,
+    /// The same as a label in the scene.
+    pub label: Option<(egui::Pos2, String)>,
 }
 
 /// Lays the panel out; gives what was asked for.
@@ -49,6 +51,18 @@ pub fn show(
     facts: &Facts<'_>,
 ) -> Vec<Command> {
     let mut asked = Vec::new();
+    if let Some((at, text)) = &facts.label {
+        let painter = context.layer_painter(egui::LayerId::background());
+        let font = egui::FontId::proportional(15.0);
+        let place = *at + egui::vec2(10.0, 0.0);
+        painter.text(
+            place,
+            egui::Align2::LEFT_CENTER,
+            text,
+            font,
+            Color32::from_rgb(8, 40, 80),
+        );
+    }
     let panel = egui::SidePanel::right("panel")
         .exact_width(WIDTH)
         .resizable(false);

@@ -35,7 +35,7 @@ impl Balls {
         {
             stage.world.remove_body(oldest)?;
         }
-        self.radius = 0.035 * size;
+        self.radius = 0.06 * size;
         self.thrown += 1;
         let name = format!("ball {}", self.thrown);
         let shape = Shape::Sphere {

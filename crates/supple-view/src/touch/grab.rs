@@ -1,4 +1,4 @@
-//! A grab: a spring between a vertex of the skin and the cursor.
+//! A grab: springs between a patch of the skin and the cursor, together as stiff as one.
 
 use super::pick::Hit;
 use crate::draw::{Camera, Ray, Solid};
@@ -7,55 +7,98 @@ use glam::DVec3;
 use supple::Result;
 use supple::sim::SkinSpring;
 
-/// What is held.
+/// A vertex of the patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grab {
+struct Held {
     vertex: usize,
-    /// Where the cursor holds it, m.
-    place: DVec3,
-    /// From the eye along the view, m: the cursor moves across it.
-    depth: f64,
-    /// From the vertex to where it was taken hold of, m.
-    offset: DVec3,
+    /// Its part of the stiffness; all together are 1.
+    share: f64,
+    /// Where it was taken hold of, m.
+    start: DVec3,
 }
 
-/// The longest that the cursor leads, in sizes of the character.
+/// What is held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grab {
+    patch: Vec<Held>,
+    /// Where the cursor took hold, m.
+    start: DVec3,
+    /// Where it is, m.
+    cursor: DVec3,
+    /// From the eye along the view, m: the cursor moves across it.
+    depth: f64,
+}
+
+/// Radius of the patch, and the longest that the cursor leads, in sizes of the character.
+const PATCH: f64 = 0.025;
 const LEASH: f64 = 0.6;
+/// Vertices of the patch at most.
+const MOST: usize = 24;
 
 impl Grab {
-    /// Takes hold of what the cursor is over.
-    pub fn new(hit: &Hit, camera: &Camera, positions: &[DVec3]) -> Self {
-        let vertex = positions[hit.vertex];
+    /// Takes hold of what the cursor is over, of a character of this size, m.
+    pub fn new(hit: &Hit, camera: &Camera, stage: &Stage, size: f64) -> Self {
+        let shown = &stage.shown;
+        let held = |vertex: usize| {
+            let start = shown.positions[vertex];
+            let away = start.distance(shown.positions[hit.vertex]) / (PATCH * size);
+            // What faces elsewhere is another side of a thin thing.
+            let faces = vertex == hit.vertex || shown.normals[vertex].dot(hit.normal) > 0.3;
+            let share = (1.0 - away * away).max(0.0).powi(2);
+            (faces && share > 0.0).then_some(Held {
+                vertex,
+                share,
+                start,
+            })
+        };
+        let mut patch: Vec<Held> = (0..shown.positions.len()).filter_map(held).collect();
+        patch.sort_by(|a, b| b.share.total_cmp(&a.share));
+        patch.truncate(MOST);
+        let sum: f64 = patch.iter().map(|held| held.share).sum();
+        patch.iter_mut().for_each(|held| held.share /= sum);
         Self {
-            vertex: hit.vertex,
-            place: vertex,
+            patch,
+            start: hit.point,
+            cursor: hit.point,
             depth: (hit.point - camera.eye()).dot(-camera.axes().z_axis),
-            offset: vertex - hit.point,
         }
     }
 
     /// Follows the cursor's `ray`, across the view.
     pub fn follow(&mut self, ray: &Ray, camera: &Camera) {
         let along = ray.direction.dot(-camera.axes().z_axis);
-        self.place = ray.at(self.depth / along) + self.offset;
+        self.cursor = ray.at(self.depth / along);
     }
 
-    /// Comes nearer to the eye by this, m.
-    pub fn come_near(&mut self, by: f64) {
-        self.depth = (self.depth - by).max(0.01);
+    /// Goes away from the eye by this, m.
+    pub fn push(&mut self, by: f64) {
+        self.depth = (self.depth + by).max(0.01);
     }
 
-    /// Says it to the world for the steps that follow, with a spring of `stiffness`, N/m.
+    /// Where the patch is and where it is drawn to, m.
+    fn ends(&self, stage: &Stage, size: f64) -> [DVec3; 2] {
+        let mean = |place: &dyn Fn(&Held) -> DVec3| -> DVec3 {
+            self.patch.iter().map(|held| held.share * place(held)).sum()
+        };
+        let at = mean(&|held| stage.shown.positions[held.vertex]);
+        let wanted = mean(&|held| held.start) + self.cursor - self.start;
+        [at, at + (wanted - at).clamp_length_max(LEASH * size)]
+    }
+
+    /// Says it to the world for the steps that follow, with `stiffness` in all, N/m.
     ///
     /// # Errors
-    /// None: the vertex is there.
-    pub fn hold(&self, stage: &mut Stage, stiffness: f64) -> Result<()> {
-        let at = stage.shown.positions[self.vertex];
-        let [low, high] = stage.bounds();
-        let place = at + (self.place - at).clamp_length_max(LEASH * (high - low).length());
+    /// None: the vertices are there.
+    pub fn hold(&self, stage: &mut Stage, stiffness: f64, size: f64) -> Result<()> {
         let avatar = stage.character.avatar.clone();
-        let spring = SkinSpring::new(&avatar, self.vertex, place, stiffness)?;
-        stage.instance_mut()?.skin_springs = vec![spring];
+        let [_, to] = self.ends(stage, size);
+        let middle: DVec3 = self.patch.iter().map(|held| held.share * held.start).sum();
+        let spring = |held: &Held| {
+            let place = to + held.start - middle;
+            SkinSpring::new(&avatar, held.vertex, place, stiffness * held.share)
+        };
+        let springs: Result<_> = self.patch.iter().map(spring).collect();
+        stage.instance_mut()?.skin_springs = springs?;
         Ok(())
     }
 
@@ -68,25 +111,25 @@ impl Grab {
         Ok(())
     }
 
-    /// The force on the skin, N, where a spring holds it.
-    pub fn force(stage: &Stage) -> Option<(DVec3, DVec3)> {
-        let instance = stage.world.instance(stage.me).ok()?.instance();
-        let spring = instance.skin_springs.first()?;
-        let at = stage.shown.positions[spring.vertex()];
-        Some((at, spring.stiffness * (spring.place - at)))
+    /// The force on the skin, N.
+    pub fn force(&self, stage: &Stage, stiffness: f64, size: f64) -> f64 {
+        let [at, to] = self.ends(stage, size);
+        stiffness * at.distance(to)
     }
 
-    /// The force as an arrow to where the cursor is, and the point that is held.
-    pub fn solids(stage: &Stage, size: f64, out: &mut Vec<Solid>) {
-        let instance = stage.world.instance(stage.me).map(|c| c.instance());
-        let Some(spring) = instance.ok().and_then(|i| i.skin_springs.first()) else {
-            return;
-        };
-        let at = stage.shown.positions[spring.vertex()];
+    /// The force as an arrow to the cursor, and the place that is held.
+    pub fn solids(&self, stage: &Stage, size: f64, out: &mut Vec<Solid>) {
+        let [at, to] = self.ends(stage, size);
         out.push(Solid::dot(at, 0.006 * size, ARROW));
-        if at.distance(spring.place) > 0.01 * size {
-            out.push(Solid::arrow(at, spring.place, 0.012 * size, ARROW));
+        if at.distance(to) > 0.01 * size {
+            out.push(Solid::arrow(at, to, 0.012 * size, ARROW));
         }
+    }
+
+    /// Middle of the arrow, m, for its label.
+    pub fn label_place(&self, stage: &Stage, size: f64) -> DVec3 {
+        let [at, to] = self.ends(stage, size);
+        0.5 * (at + to)
     }
 }
 
