@@ -97,8 +97,8 @@ impl App {
         match (&mut self.probe, hit) {
             (Some(probe), hit) => probe.follow(&ray, hit.as_ref()),
             (None, Some(hit)) => {
-                let tool = self.controls.tool;
-                match Probe::new(stage, tool, &ray, &hit, self.size) {
+                let (tool, width) = (self.controls.tool, self.controls.width * self.size);
+                match Probe::new(stage, tool, &ray, &hit, width) {
                     Ok(probe) => self.probe = probe,
                     Err(e) => self.tell_wrong(&e),
                 }
@@ -185,8 +185,12 @@ impl App {
 
     /// Lays down what is no longer in hand.
     pub(super) fn lay_down(&mut self) {
-        let in_hand = self.probe.as_ref().map_or(Tool::Hand, Probe::tool);
-        if in_hand == self.controls.tool {
+        let (tool, width) = (self.controls.tool, self.controls.width * self.size);
+        let same = match &self.probe {
+            Some(probe) => probe.is(tool, width),
+            None => tool == Tool::Hand,
+        };
+        if same {
             return;
         }
         if let (Some(probe), Some(stage)) = (self.probe.take(), &mut self.stage)
@@ -194,7 +198,7 @@ impl App {
         {
             self.tell_wrong(&e);
         }
-        if self.controls.tool != Tool::Hand {
+        if tool != Tool::Hand {
             self.grab = None;
             self.hover();
         }

@@ -28,6 +28,8 @@ pub struct Controls {
     pub pull: f64,
     /// What is on the cursor.
     pub tool: Tool,
+    /// Half the width of a thing on the cursor, in parts of the character.
+    pub width: f64,
     /// Which values colour the skin.
     pub map: ValueMap,
     /// Whether handles are drawn as dots.
@@ -50,6 +52,7 @@ impl Controls {
             grip: -3.0,
             pull: 300.0,
             tool: Tool::Hand,
+            width: 0.05,
             map: ValueMap::None,
             handles: false,
             colliders: true,

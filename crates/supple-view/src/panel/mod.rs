@@ -170,6 +170,11 @@ fn touch(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>, asked: &mut Ve
         }
         _ => {
             ui.weak("over the skin; the wheel presses it in");
+            ui.add(
+                Slider::new(&mut controls.width, 0.01..=0.2)
+                    .logarithmic(true)
+                    .text("size"),
+            );
             let force = facts.stage.map_or(0.0, |s| s.measures.last().force);
             ui.label(format!("contact {force:.2} N"));
         }

@@ -37,40 +37,43 @@ impl Tool {
         }
     }
 
-    /// Its shape, for a character of this size, m; a hand has none.
-    pub fn shape(self, size: f64) -> Option<Shape> {
-        let radius = 0.035 * size;
+    /// Its shape, of this half width, m; a hand has none.
+    pub fn shape(self, width: f64) -> Option<Shape> {
         match self {
             Self::Hand => None,
-            Self::Ball => Some(Shape::Sphere { radius }),
+            Self::Ball => Some(Shape::Sphere { radius: width }),
             Self::Capsule => Some(Shape::Capsule {
-                radius: 0.5 * radius,
-                half_length: 2.0 * radius,
+                radius: 0.5 * width,
+                half_length: 2.0 * width,
             }),
             Self::Box => Some(Shape::Box {
-                half_extents: [radius; 3],
+                half_extents: [width; 3],
             }),
         }
     }
 
     /// How far its surface is from its middle towards the skin, m.
-    fn reach(self, size: f64) -> f64 {
+    fn reach(self, width: f64) -> f64 {
         match self {
-            Self::Capsule => 0.0175 * size,
-            _ => 0.035 * size,
+            Self::Capsule => 0.5 * width,
+            _ => width,
         }
     }
 }
 
-/// Fastest that it moves, sizes of the character a second: a cursor jumps, a thing does not.
-const FASTEST: f64 = 0.8;
+/// Fastest that it moves, half widths a second: a cursor jumps, a thing does not.
+const FASTEST: f64 = 15.0;
+/// How far a notch of the wheel presses it in, and the furthest, in half widths.
+const NOTCH: f64 = 0.06;
+const DEEPEST: f64 = 4.0;
 
 /// A collider on the cursor.
 #[derive(Clone, Debug)]
 pub struct Probe {
     key: ColliderId,
     tool: Tool,
-    size: f64,
+    /// Half its width, m.
+    width: f64,
     /// Where its middle is to be, m.
     wanted: DVec3,
     /// How far it is pressed in from where it just touches, m.
@@ -89,12 +92,12 @@ impl Probe {
         tool: Tool,
         ray: &Ray,
         hit: &Hit,
-        size: f64,
+        width: f64,
     ) -> Result<Option<Self>> {
-        let Some(shape) = tool.shape(size) else {
+        let Some(shape) = tool.shape(width) else {
             return Ok(None);
         };
-        let touching = hit.distance - tool.reach(size) - GAP * size;
+        let touching = hit.distance - tool.reach(width) - GAP * width;
         let wanted = ray.at(touching);
         let frame = Frame {
             // A capsule lies across the view, a box faces it.
@@ -106,29 +109,30 @@ impl Probe {
         Ok(Some(Self {
             key: stage.world.add_collider(collider)?,
             tool,
-            size,
+            width,
             wanted,
             pressed: 0.0,
             touching,
         }))
     }
 
-    /// What it is.
-    pub fn tool(&self) -> Tool {
-        self.tool
+    /// Whether it is this tool of this half width, m.
+    pub fn is(&self, tool: Tool, width: f64) -> bool {
+        self.tool == tool && self.width == width
     }
 
     /// Follows the cursor: over the skin at its surface, and as far away as it was while it is pressed in.
     pub fn follow(&mut self, ray: &Ray, hit: Option<&Hit>) {
         if let Some(hit) = hit.filter(|_| self.pressed <= 0.0) {
-            self.touching = hit.distance - self.tool.reach(self.size) - GAP * self.size;
+            self.touching = hit.distance - self.tool.reach(self.width) - GAP * self.width;
         }
         self.wanted = ray.at(self.touching + self.pressed);
     }
 
     /// Presses it in by notches of a wheel.
     pub fn press(&mut self, notches: f64) {
-        self.pressed = (self.pressed + 0.004 * self.size * notches).clamp(0.0, 0.3 * self.size);
+        self.pressed =
+            (self.pressed + NOTCH * self.width * notches).clamp(0.0, DEEPEST * self.width);
     }
 
     /// Moves it on its way for a step of `time_step`, s.
@@ -136,7 +140,7 @@ impl Probe {
     /// # Errors
     /// None: it is there.
     pub fn advance(&self, stage: &mut Stage, time_step: f64) -> Result<()> {
-        let most = FASTEST * self.size * time_step;
+        let most = FASTEST * self.width * time_step;
         let frame = &mut stage.world.collider_mut(self.key)?.frame;
         frame.position += (self.wanted - frame.position).clamp_length_max(most);
         Ok(())
@@ -153,13 +157,17 @@ impl Probe {
     /// It, where it is.
     pub fn solids(&self, stage: &mut Stage, out: &mut Vec<Solid>) {
         if let Ok(collider) = stage.world.collider_mut(self.key) {
-            out.push(Solid::of_shape(&collider.shape, collider.frame, COLOUR));
+            // One mesh for all widths.
+            out.extend(self.tool.shape(1.0).map(|shape| Solid {
+                scale: DVec3::splat(self.width),
+                ..Solid::of_shape(&shape, collider.frame, COLOUR)
+            }));
         }
     }
 }
 
-/// Between it and the skin that it hovers over, in sizes of the character.
-const GAP: f64 = 0.004;
+/// Between it and the skin that it hovers over, in half widths.
+const GAP: f64 = 0.1;
 /// Linear red, green, blue.
 const COLOUR: [f32; 3] = [0.22, 0.34, 0.5];
 

@@ -3,16 +3,19 @@
 use super::{alone, differing, drag, empty, keep, limb, middle};
 use supple::model::Frame;
 use supple_samples::Sample;
-use supple_view::{Button, Command, Event, Key, Request, Tool, ValueMap};
+use supple_view::{Button, Command, Event, Key, Picture, Request, Tool, ValueMap};
 
 #[test]
 fn a_grab_pulls_flesh_and_lets_it_go() {
     let _turn = alone();
     let Some(mut view) = limb(false) else { return };
-    let before = view.picture().unwrap();
+    let Some(mut alone) = limb(false) else { return };
     let from = middle();
     drag(&mut view, from, [from[0], from[1] - 90.0], Button::Primary);
     view.run(0.4);
+    // The same time without a grab: it sways by itself.
+    alone.run(10.0 / 60.0 + 0.4);
+    let before = alone.picture().unwrap();
     let held = view.picture().unwrap();
     keep(&held, "grabbed");
     let moved = differing(&before, &held);
@@ -87,6 +90,7 @@ fn a_ball_on_the_cursor_is_pressed_in_by_the_wheel_and_colours_what_it_presses()
     let _turn = alone();
     let Some(mut view) = limb(false) else { return };
     view.app.controls.map = ValueMap::Pressure;
+    view.app.controls.width = 0.03;
     view.handle(Event::Key(Key::Num2, true));
     assert_eq!(view.app.controls.tool, Tool::Ball);
     view.handle(Event::Moved(middle()));
@@ -95,7 +99,7 @@ fn a_ball_on_the_cursor_is_pressed_in_by_the_wheel_and_colours_what_it_presses()
     let stands = force(&view);
     let hovering = view.picture().unwrap();
     keep(&hovering, "hovering");
-    for _ in 0..12 {
+    for _ in 0..26 {
         view.handle(Event::Wheel(1.0));
         view.run(1.0 / 60.0);
     }
@@ -103,12 +107,24 @@ fn a_ball_on_the_cursor_is_pressed_in_by_the_wheel_and_colours_what_it_presses()
     let pressed = view.picture().unwrap();
     keep(&pressed, "pressed");
     let presses = force(&view);
+    // Red to violet around the ball, which hides the most of it.
+    let [x, y] = middle().map(|n| n as u32);
+    let around = (x - 60..x + 60).flat_map(|x| (y - 60..y + 60).map(move |y| (x, y)));
+    let red = |picture: &Picture| {
+        let of = |&(x, y): &(u32, u32)| {
+            let [r, g, _] = picture.at(x, y);
+            i32::from(r) > i32::from(g) + 40
+        };
+        around.clone().filter(of).count()
+    };
+    let (before, after) = (red(&hovering), red(&pressed));
+    assert!(before == 0 && after > 60, "{before}, {after} pixels");
     assert!(presses > stands + 2.0, "{presses} N");
     let stage = view.app.stage().unwrap();
     let most = stage.shown.pressures.iter().copied().fold(0.0, f64::max);
     assert!(most > 1e3, "{most} Pa");
     // Out again.
-    for _ in 0..14 {
+    for _ in 0..30 {
         view.handle(Event::Wheel(-1.0));
         view.run(1.0 / 60.0);
     }
