@@ -24,6 +24,9 @@ pub struct Arguments {
     /// A scene, by its file or the name of one that comes with the program; FILE, if named, takes the place of its avatar.
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
+    /// A motion to follow in place of the character's own; others may be dropped on the window.
+    #[arg(long, value_name = "FILE", conflicts_with = "scene")]
+    motion: Option<PathBuf>,
     /// What evaluates the potential.
     #[arg(long, value_enum, default_value = "cpu")]
     backend: Backend,
@@ -53,6 +56,10 @@ impl Arguments {
             (Some(scene), avatar) => Request::Scene { scene, avatar },
             (None, Some(file)) => Request::File(file),
             (None, None) => Request::Sample(Sample::Hand),
+        };
+        let request = match self.motion {
+            Some(motion) => request.with_motion(motion),
+            None => request,
         };
         let Some(path) = &self.picture else {
             return open_window(options, request);

@@ -8,6 +8,7 @@ mod driving;
 mod gpu;
 mod offsets;
 mod previous_skins;
+mod skin_springs;
 mod snapshots;
 mod springs;
 

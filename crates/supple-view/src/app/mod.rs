@@ -48,6 +48,9 @@ pub struct App {
     options: Options,
     stage: Option<Box<Stage>>,
     loading: Option<Loading>,
+    /// Who is shown, and who is on the way.
+    request: Option<Request>,
+    asked: Option<Request>,
     notice: Option<Notice>,
     renderer: Renderer,
     drawn: Option<Drawn>,
@@ -84,6 +87,8 @@ impl App {
             options,
             stage: None,
             loading: None,
+            request: None,
+            asked: None,
             notice: None,
             drawn: None,
             posed: None,
@@ -117,6 +122,7 @@ impl App {
             },
             false => Backend::Cpu,
         };
+        self.asked = Some(request.clone());
         self.loading = Some(Loading::start(request, self.options.cache.clone(), backend));
         self.notice = None;
     }
@@ -167,7 +173,10 @@ impl App {
         if let Some(done) = self.loading.as_mut().and_then(Loading::poll) {
             self.loading = None;
             match done {
-                Ok(stage) => self.enter(stage),
+                Ok(stage) => {
+                    self.request = self.asked.take();
+                    self.enter(stage);
+                }
                 Err(e) => self.tell_wrong(&e),
             }
         }

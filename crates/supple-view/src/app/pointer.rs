@@ -2,11 +2,12 @@
 
 use super::event::points;
 use super::{App, Button, Event};
-use crate::bake::Request;
+use crate::bake::{Request, is_motion};
 use crate::draw::Ray;
 use crate::panel::Command;
 use crate::stage::ValueMap;
 use crate::touch::{Grab, Hit, Probe, Tool, pick};
+use std::path::Path;
 
 /// What the mouse is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,8 +50,18 @@ impl App {
             Event::Wheel(notches) => self.wheel(*notches),
             Event::Key(key, true) if !self.context.wants_keyboard_input() => self.key(*key),
             Event::Key(..) | Event::Text(_) => {}
-            Event::Dropped(path) => self.open(Request::File(path.clone())),
+            Event::Dropped(path) => self.drop(path),
         }
+    }
+
+    /// A motion is for who is shown, anything else is shown.
+    fn drop(&mut self, path: &Path) {
+        let file = Request::File(path.into());
+        let request = match &self.request {
+            Some(who) if is_motion(path) => who.clone().with_motion(path.into()),
+            _ => file,
+        };
+        self.open(request);
     }
 
     /// Width of the scene by its height.

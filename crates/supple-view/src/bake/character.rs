@@ -11,7 +11,7 @@ use supple::model::Avatar;
 use supple_bake::bake;
 use supple_bake::math::NearestPoint;
 use supple_pictures::tissue_depths;
-use supple_scene::{AvatarSource, Scene, TrackedMotion, load_avatar, own_clip};
+use supple_scene::{AvatarSource, Playback, Scene, TrackedMotion, load_avatar, own_clip};
 
 /// A character and what happens to it.
 #[derive(Debug)]
@@ -65,12 +65,17 @@ impl Character {
             }
             None => (Scene::of_avatar(&name, source.clone()), false),
         };
-        let (does, round) = match own {
-            true => (format!("scene {}", scene.name), Some(scene.duration())),
-            false => {
+        let (does, round) = match (own, request.motion()) {
+            (true, _) => (format!("scene {}", scene.name), Some(scene.duration())),
+            (false, Some(motion)) => {
+                let round = play(&mut scene, &avatar, TrackedMotion::of_file(motion))?;
+                let file = motion.file_name().unwrap_or_default().to_string_lossy();
+                (format!("follows {file}"), round)
+            }
+            (false, None) => {
                 let (clip, note) = own_clip(&source)?;
                 notes.extend(note);
-                show(&mut scene, &avatar, clip, &mut notes)?
+                show(&mut scene, &avatar, clip, &mut notes)
             }
         };
         let places = &avatar.skin.position;
@@ -82,7 +87,7 @@ impl Character {
             depths: tissue_depths(&avatar, places),
             avatar: Arc::new(avatar),
             name,
-            sways: !own,
+            sways: scene.motion.is_none() && !own,
             scene,
             does,
             round,
@@ -107,30 +112,38 @@ fn avatar_of(
     }
 }
 
-/// Lets it play its clip again and again, or stand.
+/// Lets it play its clip, or stand: what it does, and when it begins again, s.
 fn show(
     scene: &mut Scene,
     avatar: &Avatar,
     clip: Option<TrackedMotion>,
     notes: &mut Vec<String>,
-) -> Result<(String, Option<f64>)> {
+) -> (String, Option<f64>) {
     let plain = scene.clone();
-    if let Some(clip) = clip {
-        match scene.show(avatar, Some(clip), None) {
-            Ok(_) => {
-                scene
-                    .motion
-                    .iter_mut()
-                    .for_each(|motion| motion.repeat = true);
-                return Ok(("plays its clip".into(), None));
-            }
-            // A character whose clip is of other bones is shown all the same.
-            Err(e) => notes.push(format!("its clip is left out: {e}")),
-        }
+    match clip.map(|clip| play(scene, avatar, clip)) {
+        Some(Ok(round)) => return ("plays its clip".into(), round),
+        // A character whose clip is of other bones is shown all the same.
+        Some(Err(e)) => notes.push(format!("its clip is left out: {e}")),
+        None => {}
     }
     *scene = plain;
     let round = scene.stand(avatar);
-    Ok(("stands and sways".into(), Some(round)))
+    ("stands and sways".into(), Some(round))
+}
+
+/// Lets it follow a motion, again and again: without a break where the motion can, else from the start after so many seconds.
+fn play(scene: &mut Scene, avatar: &Avatar, motion: TrackedMotion) -> Result<Option<f64>> {
+    scene.show(avatar, Some(motion), None)?;
+    let mut again = scene.motion.clone();
+    again.iter_mut().for_each(|motion| motion.repeat = true);
+    let opens = |motion: &TrackedMotion| {
+        Playback::open(motion, &avatar.character(), avatar.up, scene.up()).is_ok()
+    };
+    if again.as_ref().is_some_and(opens) {
+        scene.motion = again;
+        return Ok(None);
+    }
+    Ok(Some(scene.duration()))
 }
 
 /// Bodies are a world's here, where they move freely: pins and targets of them are left out.

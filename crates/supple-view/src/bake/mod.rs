@@ -4,7 +4,7 @@ mod character;
 mod request;
 
 pub use character::Character;
-pub use request::Request;
+pub use request::{Request, is_motion};
 
 use crate::platform::{Clock, beside};
 use crate::stage::Stage;

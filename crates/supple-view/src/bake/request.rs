@@ -1,7 +1,8 @@
 //! What is to be shown.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use supple::Result;
+use supple_files::{is_gltf_motion, read_amass};
 use supple_samples::Sample;
 use supple_scene::{
     AvatarSource, Scene, avatar_source_of, committed_scenes, read_scene, unpack_scenes,
@@ -22,6 +23,13 @@ pub enum Request {
         /// In place of its own avatar.
         avatar: Option<PathBuf>,
     },
+    /// Any of these with another motion.
+    Moved {
+        /// Who.
+        who: Box<Self>,
+        /// A motion of any kind that scenes read.
+        motion: PathBuf,
+    },
 }
 
 impl Request {
@@ -40,6 +48,24 @@ impl Request {
             }
             Self::File(path) => stem(path),
             Self::Scene { scene, avatar } => stem(avatar.as_ref().unwrap_or(scene)),
+            Self::Moved { who, .. } => who.name(),
+        }
+    }
+
+    /// The same with the motion in a file, in place of any before.
+    pub fn with_motion(self, motion: PathBuf) -> Self {
+        let who = match self {
+            Self::Moved { who, .. } => who,
+            other => Box::new(other),
+        };
+        Self::Moved { who, motion }
+    }
+
+    /// The motion that is asked for in place of the character's own.
+    pub(super) fn motion(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Moved { motion, .. } => Some(motion),
+            _ => None,
         }
     }
 
@@ -63,7 +89,20 @@ impl Request {
                 }
                 Ok((scene.avatar.clone(), Some(scene)))
             }
+            // Another motion is for who does nothing else.
+            Self::Moved { who, .. } => Ok((who.source()?.0, None)),
         }
+    }
+}
+
+/// Whether the file at `path` is a motion, and no character.
+pub fn is_motion(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    match extension.to_lowercase().as_str() {
+        "bvh" | "vrma" | "jsonl" | "ndjson" | "js" | "json" => true,
+        "npz" => read_amass(path).is_ok(),
+        "glb" | "gltf" => is_gltf_motion(path).is_ok_and(|motion| motion),
+        _ => false,
     }
 }
 

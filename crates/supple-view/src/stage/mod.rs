@@ -13,7 +13,7 @@ use glam::DVec3;
 use supple::collider::Collider;
 use supple::model::Frame;
 use supple::potential::TissueFactors;
-use supple::sim::{Instance, Settings, Timings};
+use supple::sim::{Settings, Timings};
 use supple::skeleton::Spring;
 use supple::world::{Backend, BodyId, ColliderId, InstanceId, Snapshot};
 use supple::{Result, World};
@@ -56,11 +56,6 @@ impl Stage {
     /// What the world, the scene's driver and the first equilibrium say.
     pub async fn new(character: Box<Character>, backend: Backend) -> Result<Self> {
         let (avatar, scene) = (character.avatar.clone(), &character.scene);
-        // Bodies are the world's.
-        let alone = Scene {
-            bodies: Vec::new(),
-            ..scene.clone()
-        };
         let settings = Settings {
             report_at_end: true,
             ..scene.settings
@@ -71,7 +66,7 @@ impl Stage {
         world.compile_kernels(&avatar.material).await?;
         let asset = world.add_avatar(avatar.clone())?;
         let me = world.add_instance(asset)?;
-        let driver = Driver::new(&alone, &avatar)?;
+        let driver = driver(&character)?;
         let instance = world.instance_mut(me)?.instance_mut();
         for bending in &mut instance.bending {
             bending.stiffness = settings.bending_stiffness;
@@ -134,12 +129,12 @@ impl Stage {
         self.world.instance_mut(self.me)?.set_factors(factors)
     }
 
-    /// The character's instance.
+    /// The character in the world.
     ///
     /// # Errors
     /// None: it stands there.
-    pub fn instance_mut(&mut self) -> Result<&mut Instance> {
-        Ok(self.world.instance_mut(self.me)?.instance_mut())
+    pub fn character_mut(&mut self) -> Result<&mut supple::world::Character> {
+        self.world.instance_mut(self.me)
     }
 
     /// One step: what drives it moves on, and everything with it.
@@ -153,7 +148,7 @@ impl Stage {
             Some(round) if time > round && self.character.sways => time -= round,
             // A scene begins again with all that is in it.
             Some(round) if time > round + 1e-9 => {
-                self.world.restore(&self.start)?;
+                self.rewind()?;
                 time = time_step;
             }
             _ => {}
@@ -237,10 +232,17 @@ impl Stage {
     /// # Errors
     /// None that a sound world has.
     pub async fn reset(&mut self) -> Result<()> {
-        self.world.restore(&self.start)?;
-        self.time = 0.0;
+        self.rewind()?;
         self.record.clear();
         self.read(true).await
+    }
+
+    fn rewind(&mut self) -> Result<()> {
+        self.world.restore(&self.start)?;
+        // Poses that are read as time goes on are read again.
+        self.driver = driver(&self.character)?;
+        self.time = 0.0;
+        Ok(())
     }
 
     /// Keeps this moment.
@@ -271,7 +273,16 @@ impl Stage {
     }
 }
 
-/// A scene's collider in a world; grounds that nobody wrote are rough.
+/// What drives a character; bodies are the world's.
+fn driver(character: &Character) -> Result<Driver> {
+    let alone = Scene {
+        bodies: Vec::new(),
+        ..character.scene.clone()
+    };
+    Driver::new(&alone, &character.avatar)
+}
+
+/// A scene's collider in a world.
 fn collider(of: &SceneCollider) -> Collider {
     let frame: Frame = of.motion.at(0.0);
     Collider {

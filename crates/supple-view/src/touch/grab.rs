@@ -97,8 +97,8 @@ impl Grab {
             let place = to + held.start - middle;
             SkinSpring::new(&avatar, held.vertex, place, stiffness * held.share)
         };
-        let springs: Result<_> = self.patch.iter().map(spring).collect();
-        stage.instance_mut()?.skin_springs = springs?;
+        let springs: Result<Vec<_>> = self.patch.iter().map(spring).collect();
+        stage.character_mut()?.pull_skin(&springs?);
         Ok(())
     }
 
@@ -107,7 +107,7 @@ impl Grab {
     /// # Errors
     /// None: the character stands there.
     pub fn let_go(stage: &mut Stage) -> Result<()> {
-        stage.instance_mut()?.skin_springs.clear();
+        stage.character_mut()?.pull_skin(&[]);
         Ok(())
     }
 

@@ -2,7 +2,8 @@
 
 use super::{alone, empty, keep, limb};
 use supple::model::UpAxis;
-use supple_view::{Command, Event};
+use supple_samples::Sample;
+use supple_view::{Command, Event, Request};
 
 #[test]
 fn what_cannot_be_shown_is_told_and_the_old_character_stays() {
@@ -50,7 +51,63 @@ fn a_glb_of_the_last_seconds_and_a_recipe_are_written() {
     let glb = gltf::Gltf::from_slice(&written).unwrap();
     assert_eq!(glb.animations().count(), 1);
     let recipe = supple_scene::read_avatar_source(folder.join("limb_s.toml")).unwrap();
-    assert_eq!(recipe.sample(), Some(supple_samples::Sample::LimbS));
+    assert_eq!(recipe.sample(), Some(Sample::LimbS));
+}
+
+#[test]
+fn a_dropped_motion_is_for_who_is_shown_and_begins_again() {
+    let _turn = alone();
+    let Some(mut view) = empty(false) else { return };
+    view.show(Request::Sample(Sample::Finger)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bends.bvh");
+    let names = view
+        .app
+        .stage()
+        .unwrap()
+        .character
+        .avatar
+        .skeleton
+        .names
+        .clone();
+    let joint = |kind: &str, name: &str, inner: &str| {
+        let channels = "CHANNELS 3 Zrotation Xrotation Yrotation";
+        format!("{kind} {name}\n{{\nOFFSET 0 0 3\n{channels}\n{inner}}}\n")
+    };
+    let end = "End Site\n{\nOFFSET 0 0 3\n}\n".to_owned();
+    let tree = names
+        .iter()
+        .enumerate()
+        .rev()
+        .fold(end, |inner, (k, name)| {
+            joint(if k == 0 { "ROOT" } else { "JOINT" }, name, &inner)
+        });
+    let angle = |frame: usize| 30.0 * (0.2 * frame as f64).sin();
+    let rows = (0..60).map(|k| format!("0 0 0 0 {0} 0 0 {0} 0\n", angle(k)));
+    let rows: String = rows.collect();
+    let text = format!("HIERARCHY\n{tree}MOTION\nFrames: 60\nFrame Time: 0.0333\n{rows}");
+    std::fs::write(&path, text).unwrap();
+    view.handle(Event::Dropped(path));
+    view.wait();
+    assert!(view.app.notice().is_none(), "{:?}", view.app.notice());
+    let stage = view.app.stage().unwrap();
+    assert_eq!(
+        (stage.character.name.as_str(), stage.character.does.as_str()),
+        ("finger", "follows bends.bvh")
+    );
+    let tip = |view: &super::Offscreen| {
+        let stage = view.app.stage().unwrap();
+        let frames = stage.world.instance(stage.me).unwrap().frames();
+        frames[2].rotation.x_axis
+    };
+    let before = tip(&view);
+    view.run(0.3);
+    let turned = tip(&view).angle_between(before);
+    assert!(turned > 0.2, "{turned} rad");
+    view.app.ask(Command::Reset);
+    view.run(0.01);
+    view.app.pace.paused = true;
+    assert!(tip(&view).angle_between(before) < 0.2 * turned);
 }
 
 /// A file of the Khronos group's, where it lies beside the project.
