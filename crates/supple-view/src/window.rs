@@ -157,7 +157,10 @@ fn told(event: &WindowEvent) -> Vec<Event> {
             let text = event.text.as_ref().filter(|_| pressed);
             let text = text.filter(|t| !t.chars().any(char::is_control));
             let text = text.map(|t| Event::Text(t.to_string()));
-            key.map(|key| Event::Key(key, pressed))
+            // A key that is held down toggles nothing.
+            let edits = matches!(&event.logical_key, Key::Named(name) if *name != NamedKey::Space);
+            key.filter(|_| !event.repeat || edits)
+                .map(|key| Event::Key(key, pressed))
                 .into_iter()
                 .chain(text)
                 .collect()

@@ -49,7 +49,7 @@ impl Controls {
             friction: 1.0,
             tension: 0.0,
             time_step,
-            grip: -3.0,
+            grip: -4.0,
             pull: 300.0,
             tool: Tool::Hand,
             width: 0.05,

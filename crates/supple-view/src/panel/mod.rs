@@ -102,7 +102,7 @@ fn who(ui: &mut Ui, facts: &Facts<'_>, asked: &mut Vec<Command>) {
     }
     if let Some(loading) = facts.loading {
         let phase = loading.phase.and_then(|p| PHASES.get(p));
-        let doing = phase.map_or("reading", |p| p);
+        let doing = phase.map_or("getting ready", |p| p);
         let done = loading
             .phase
             .map_or(0.0, |p| (p + 1) as f32 / (PHASES.len() + 1) as f32);
@@ -165,7 +165,7 @@ fn touch(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>, asked: &mut Ve
                     .logarithmic(true)
                     .text("pull, N/m"),
             );
-            ui.add(Slider::new(&mut controls.grip, -4.0..=0.0).text("bones held, 10^"));
+            ui.add(Slider::new(&mut controls.grip, -5.0..=0.0).text("bones held, 10^"));
             ui.label(format!("held with {:.2} N", facts.pull));
         }
         _ => {

@@ -4,13 +4,16 @@ use crate::stage::Measures;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, vec2};
 use supple_pictures::colour_map;
 
+/// The least that fills a plot, N or mm: less is noise.
+const LEAST: f64 = 0.1;
+
 /// A curve of the last seconds: times (s) and values, from 0 to the largest.
 pub fn lines(ui: &mut Ui, unit: &str, points: impl Iterator<Item = (f64, f64)> + Clone) {
     let size = vec2(ui.available_width(), 44.0);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
-    let most = points.clone().map(|p| p.1).fold(1e-9, f64::max);
+    let most = points.clone().map(|p| p.1).fold(LEAST, f64::max);
     let now = points.clone().last().map_or(0.0, |p| p.0);
     let place = |(time, value): (f64, f64)| {
         let x = 1.0 - (now - time) / Measures::span();

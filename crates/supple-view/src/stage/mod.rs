@@ -158,7 +158,8 @@ impl Stage {
         for (target, springs) in instance.targets.iter_mut().zip(&self.springs) {
             let gripped = |spring: Spring| Spring {
                 stiffness: grip * spring.stiffness,
-                damping: grip * spring.damping,
+                // A little more than as much of it: what hangs loosely would swing for long.
+                damping: grip.powf(0.85) * spring.damping,
             };
             [target.rotation, target.position] = springs.map(|s| s.map(gripped));
         }
