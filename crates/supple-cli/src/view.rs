@@ -1,5 +1,6 @@
 //! `supple view`.
 
+use super::simulate::committed_or_file;
 use super::terminal::print;
 use std::path::PathBuf;
 use supple::{Error, Result};
@@ -47,13 +48,17 @@ pub struct Arguments {
 impl Arguments {
     /// Opens the window, and returns when it is closed.
     pub fn run(self) -> Result<()> {
+        let cache = self.cache;
         let options = Options {
             on_gpu: self.backend == Backend::Gpu,
-            cache: Some(self.cache),
+            cache: Some(cache.clone()),
             output: self.output,
         };
         let request = match (self.scene, self.file) {
-            (Some(scene), avatar) => Request::Scene { scene, avatar },
+            (Some(scene), avatar) => Request::Scene {
+                scene: committed_or_file(&scene, &cache)?,
+                avatar,
+            },
             (None, Some(file)) => Request::File(file),
             (None, None) => Request::Sample(Sample::Hand),
         };

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 use supple::Result;
 use supple_files::{is_gltf_motion, read_amass};
 use supple_samples::Sample;
-use supple_scene::{
-    AvatarSource, Scene, avatar_source_of, committed_scenes, read_scene, unpack_scenes,
-};
+use supple_scene::{AvatarSource, Scene, avatar_source_of, read_scene};
 
 /// What is to be shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,10 +13,9 @@ pub enum Request {
     Sample(Sample),
     /// Any file: a character, a baked avatar, a recipe, a scene.
     File(PathBuf),
-    /// A scene, by its file or the name of one that comes with the program; with another avatar than its own, if one is
-    /// given.
+    /// A scene, with another avatar than its own if one is given.
     Scene {
-        /// File or name.
+        /// Its file.
         scene: PathBuf,
         /// In place of its own avatar.
         avatar: Option<PathBuf>,
@@ -83,7 +80,7 @@ impl Request {
                 Ok((source, scene.and_then(Result::ok)))
             }
             Self::Scene { scene, avatar } => {
-                let mut scene = read_scene(scene_file(scene)?)?;
+                let mut scene = read_scene(scene)?;
                 if let Some(path) = avatar {
                     scene.avatar = avatar_source_of(path)?;
                 }
@@ -104,14 +101,4 @@ pub fn is_motion(path: &Path) -> bool {
         "glb" | "gltf" => is_gltf_motion(path).is_ok_and(|motion| motion),
         _ => false,
     }
-}
-
-/// The file of a scene, or that of a committed one of this name.
-fn scene_file(scene: &PathBuf) -> Result<PathBuf> {
-    let name = scene.to_string_lossy();
-    if scene.exists() || !committed_scenes().any(|known| known == name) {
-        return Ok(scene.clone());
-    }
-    let folder = std::env::temp_dir().join("supple-scenes");
-    Ok(unpack_scenes(&folder)?.join(format!("{name}.toml")))
 }
