@@ -30,7 +30,9 @@ mod window;
 
 pub use app::{App, Button, Event, Options, Pace};
 pub use bake::{Character, Loading, Request};
-pub use draw::{Camera, Gpu, PICTURE_FORMAT, Picture, Ray, picture};
+pub use draw::{Camera, Gpu, Ray};
+#[cfg(not(target_arch = "wasm32"))]
+pub use draw::{PICTURE_FORMAT, Picture, picture};
 pub use egui::Key;
 #[cfg(not(target_arch = "wasm32"))]
 pub use offscreen::Offscreen;

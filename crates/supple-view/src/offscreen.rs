@@ -4,7 +4,7 @@ use crate::app::{App, Event, Options};
 use crate::bake::Request;
 use crate::draw::{Gpu, PICTURE_FORMAT, Picture, picture};
 use crate::panel::Screen;
-use std::time::Duration;
+use crate::platform::rest;
 use supple::{Error, Result};
 
 /// The program, drawn on a texture.
@@ -48,7 +48,7 @@ impl Offscreen {
     /// Waits until nobody is on the way any more.
     pub fn wait(&mut self) {
         while self.app.is_loading() {
-            std::thread::sleep(Duration::from_millis(5));
+            rest();
             pollster::block_on(self.app.advance(0.0));
         }
     }

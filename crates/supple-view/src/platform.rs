@@ -18,6 +18,12 @@ impl Clock {
     }
 }
 
+/// Lets others work for a while.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn rest() {
+    std::thread::sleep(std::time::Duration::from_millis(10));
+}
+
 /// Does `work` beside the interface: on a thread.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn beside(work: impl Future<Output = ()> + Send + 'static) {

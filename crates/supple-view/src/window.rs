@@ -4,7 +4,7 @@ use crate::app::{App, Button, Event, Options};
 use crate::bake::Request;
 use crate::draw::Gpu;
 use crate::panel::Screen;
-use crate::platform::Clock;
+use crate::platform::{Clock, rest};
 use std::sync::Arc;
 use supple::wgpu;
 use supple::{Error, Result};
@@ -97,7 +97,11 @@ impl Shown {
                 self.surface.configure(&self.gpu.device, &self.config);
                 return;
             }
-            _ => return,
+            _ => {
+                // Hidden: nobody waits for the picture.
+                rest();
+                return;
+            }
         };
         let screen = Screen {
             size: [self.config.width, self.config.height],

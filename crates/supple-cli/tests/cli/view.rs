@@ -37,7 +37,7 @@ fn what_cannot_be_shown_is_refused_with_file_and_cure() {
             "hand_press",
         ),
         (
-            &["view", "--picture", "a.png", "--seconds", "-1"],
+            &["view", "--picture", "a.png", "--seconds", "900"],
             "must be within",
         ),
         (&["view", "a.fbx", "--picture", "a.png"], "a.fbx"),

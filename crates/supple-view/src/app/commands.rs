@@ -27,11 +27,19 @@ impl App {
                 self.forget_touch();
             }
             Command::Restore => {
-                stage.restore().await?;
-                self.forget_touch();
+                if stage.has_kept() {
+                    stage.restore().await?;
+                    (self.grab, self.probe) = (None, None);
+                    self.balls = self.kept.clone();
+                }
             }
             Command::Keep => {
+                // What is on the cursor is no part of it.
+                if let Some(probe) = self.probe.take() {
+                    probe.remove(stage)?;
+                }
                 stage.keep()?;
+                self.kept = self.balls.clone();
                 self.say("this moment is kept".into());
             }
             Command::Fit => self.camera = Camera::around(stage.bounds(), stage.world.up()),

@@ -15,6 +15,7 @@ mod camera;
 mod gpu;
 mod look;
 mod part;
+#[cfg(not(target_arch = "wasm32"))]
 mod picture;
 pub(crate) mod pipelines;
 mod skin;
@@ -24,6 +25,7 @@ mod texture;
 pub use camera::{Camera, Ray};
 pub use gpu::Gpu;
 pub use look::Look;
+#[cfg(not(target_arch = "wasm32"))]
 pub use picture::{PICTURE_FORMAT, Picture, picture};
 pub use skin::Posed;
 pub use solid::Solid;

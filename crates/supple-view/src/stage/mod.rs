@@ -33,6 +33,8 @@ pub struct Stage {
     pub bodies: Vec<BodyId>,
     /// s.
     pub time: f64,
+    /// How often it was put back to the start: what came later is gone then.
+    pub rounds: usize,
     /// How firmly bones are held where the scene draws them: a factor on its springs.
     pub grip: f64,
     /// What it is like after the last step.
@@ -101,6 +103,7 @@ impl Stage {
             colliders,
             bodies,
             time: 0.0,
+            rounds: 0,
             grip: 1.0,
             driver,
             springs,
@@ -243,6 +246,7 @@ impl Stage {
         // Poses that are read as time goes on are read again.
         self.driver = driver(&self.character)?;
         self.time = 0.0;
+        self.rounds += 1;
         Ok(())
     }
 

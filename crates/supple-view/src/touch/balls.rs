@@ -17,7 +17,7 @@ const DENSITY: f64 = 1000.0;
 const COLOUR: [f32; 3] = [0.75, 0.3, 0.03];
 
 /// Balls in the world, the oldest first.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Balls {
     bodies: VecDeque<BodyId>,
     thrown: usize,

@@ -162,20 +162,68 @@ fn thrown_balls_fly_hit_and_are_gone_after_a_reset() {
     assert!(differing(&before, &view.picture().unwrap()) < 400);
 }
 
+/// With a ball in the air, and something on the cursor that is no part of it.
 #[test]
 fn a_moment_is_kept_and_restored() {
     let _turn = alone();
     let Some(mut view) = limb(false) else { return };
-    view.run(0.3);
+    let skin = |view: &super::Offscreen| view.app.stage().unwrap().shown.positions.clone();
+    view.handle(Event::Moved(middle()));
+    view.handle(Event::Key(Key::B, true));
+    view.handle(Event::Key(Key::Num3, true));
+    view.run(0.05);
     view.handle(Event::Key(Key::K, true));
     view.handle(Event::Key(Key::Space, true));
     view.run(0.02);
-    let kept = view.app.stage().unwrap().shown.positions.clone();
+    view.handle(Event::Left);
+    let (kept, seen) = (skin(&view), view.picture().unwrap());
     view.handle(Event::Key(Key::Space, true));
     view.run(0.5);
-    assert_ne!(kept, view.app.stage().unwrap().shown.positions);
+    assert_ne!(kept, skin(&view));
     view.handle(Event::Key(Key::Space, true));
     view.handle(Event::Key(Key::L, true));
     view.run(0.02);
-    assert_eq!(kept, view.app.stage().unwrap().shown.positions);
+    let again = view.picture().unwrap();
+    keep(&again, "restored");
+    assert_eq!(kept, skin(&view));
+    // The notice is in the panel.
+    let different = differing(&seen, &again);
+    assert!(different < 50, "{different} pixels");
+    // The ball is there, and not only drawn.
+    view.handle(Event::Key(Key::Space, true));
+    view.run(0.1);
+    assert!(differing(&again, &view.picture().unwrap()) > 300);
+    assert!(view.app.notice().is_none_or(|notice| !notice.wrong));
+}
+
+/// A scene of a fifth of a second begins again; what was thrown and held then is gone, and may come again.
+#[test]
+fn a_scene_begins_again_whatever_is_on_the_cursor() {
+    let _turn = alone();
+    let Some(mut view) = empty(false) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("short.toml");
+    let scene = r#"
+        name = "short"
+        steps = 20
+        avatar.sample = "limb_s"
+        pins = [{ bone = "bone", motion.z = [[0.0, 0.0], [0.2, 0.02]] }]
+        bodies = [{ name = "die", shape = { shape = "box", half_extents = [0.01, 0.01, 0.01] }, position = [0.1, 0.0, 0.2] }]
+    "#;
+    std::fs::write(&path, scene).unwrap();
+    view.show(Request::File(path)).unwrap();
+    assert_eq!(view.app.stage().unwrap().character.does, "scene short");
+    view.handle(Event::Moved(middle()));
+    view.handle(Event::Key(Key::Num2, true));
+    view.handle(Event::Key(Key::B, true));
+    view.run(0.1);
+    for _ in 0..4 {
+        view.handle(Event::Moved(middle()));
+        view.run(0.15);
+    }
+    keep(&view.picture().unwrap(), "again");
+    let stage = view.app.stage().unwrap();
+    assert_eq!(stage.rounds, 3);
+    assert!(view.app.notice().is_none(), "{:?}", view.app.notice());
+    assert!(stage.time < 0.2001, "{} s", stage.time);
 }
