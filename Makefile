@@ -1,4 +1,4 @@
-.PHONY: demo figures test test-python bench bench-smoke ci
+.PHONY: demo figures test test-python test-view bench bench-smoke ci
 
 # The soft hand pressed on a cylinder; pictures, GLB and report in out/hand_press.
 # `make demo ARGS=--allow-software` takes a software adapter where there is no GPU.
@@ -18,6 +18,10 @@ test:
 # Builds the Python package into python/.venv, and runs its tests.
 test-python:
 	.ci/test-python
+
+# Drives the window of `supple view` under Xvfb, which it installs on Debian.
+test-view:
+	.ci/test-view
 
 bench:
 	cargo bench

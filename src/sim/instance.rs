@@ -1,6 +1,7 @@
 //! One simulated avatar: its state and what drives it.
 
 use super::settings::{Settings, not_negative};
+use super::skin_spring::SkinSpring;
 use super::waking_memory::WakingMemory;
 use crate::collider::Collider;
 use crate::model::{Avatar, Awake, Frame, History, PoseOffsets, State, UpAxis, is_rotation};
@@ -45,6 +46,8 @@ pub struct Instance {
     pub targets: Vec<Tracking>,
     /// Whose springs carry the weight of the pose that they draw to beforehand, so that it does not sag.
     pub preload: Preload,
+    /// Springs that draw points of the skin, and with them flesh and bones, to places of the host's.
+    pub skin_springs: Vec<SkinSpring>,
     /// Bones that follow a prescribed motion exactly.
     pub pins: Vec<Pin>,
     /// The rest rotation of each bone relative to its parent, and how stiffly it is kept.
@@ -88,6 +91,7 @@ impl Instance {
             history: History::at_rest(&state),
             targets: Vec::new(),
             preload: Preload::default(),
+            skin_springs: Vec::new(),
             pins: Vec::new(),
             bending: vec![
                 Bending {

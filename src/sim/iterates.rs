@@ -59,16 +59,13 @@ impl Iterates {
             if !wanted[i] {
                 return;
             }
-            let (frames, skeleton) = (&states[i].frames, &minimisations[i].skeleton);
+            let (state, minimisation) = (&states[i], &minimisations[i]);
             let Evaluation {
                 gradient, hessian, ..
             } = evaluation;
             let pattern = systems.pattern(i);
-            skeleton.add_derivatives(frames, gradient, hessian, pattern);
-            if exact[i] {
-                skeleton.add_geometric(frames, hessian, pattern);
-            }
-            *energies = skeleton.difference(&minimisations[i].current.frames, frames);
+            minimisation.add_derivatives(state, exact[i], gradient, hessian, pattern);
+            *energies = minimisation.skeleton_difference(&minimisation.current, state);
         });
         timings.skeleton += watch.ms();
         Ok(())

@@ -130,10 +130,9 @@ impl LineSearch {
             .energy_differences(&trials, &mut self.differences)
             .await?;
         for (trial, difference) in trials.iter().zip(&mut self.differences) {
-            let skeleton = &minimisations[trial.instance].skeleton;
-            difference.energy += skeleton
-                .difference(&trial.base.frames, &trial.state.frames)
-                .total();
+            let minimisation = &minimisations[trial.instance];
+            let added = minimisation.skeleton_difference(trial.base, trial.state);
+            difference.energy += added.total();
         }
         self.trials = recycled(trials);
         Ok(())

@@ -4,9 +4,10 @@ use super::carried::CarriedBone;
 use super::instance::Instance;
 use super::linear_solver::{LinearSolver, SolveReport};
 use super::report::InstanceReport;
+use super::skin_spring::SkinPulls;
 use super::spring_bones::Swing;
-use crate::model::{Frame, State};
-use crate::potential::{Evaluation, StepEnd};
+use crate::model::State;
+use crate::potential::{BlockPattern, Evaluation, StepEnd};
 use crate::skeleton::{SkeletonEnergies, SkeletonPotential};
 use crate::{Error, Result};
 
@@ -36,6 +37,8 @@ impl SkeletonEnd {
 pub(super) struct Minimisation {
     /// The skeleton's terms of this step.
     pub skeleton: SkeletonPotential,
+    /// Those of springs on the skin.
+    pub pulls: SkinPulls,
     /// qⁿ.
     pub current: State,
     /// Which frames are prescribed.
@@ -65,6 +68,7 @@ impl Minimisation {
         Self {
             prescribed: vec![false; current.frames.len()],
             skeleton,
+            pulls: SkinPulls::default(),
             current,
             fixed: vec![false; dofs],
             may_touch: false,
@@ -135,11 +139,36 @@ impl Minimisation {
         Ok(())
     }
 
-    /// What the skeleton says of bones that the step ends with at `frames`.
-    pub fn skeleton_end(&self, frames: &[Frame], out: &mut SkeletonEnd) {
-        out.energies = self.skeleton.difference(&self.current.frames, frames);
+    /// E(state) − E(base) of what is added on the host: the skeleton's terms and those of springs on the skin.
+    pub fn skeleton_difference(&self, base: &State, state: &State) -> SkeletonEnergies {
+        let mut energies = self.skeleton.difference(&base.frames, &state.frames);
+        energies.tracking += self.pulls.difference(base, state);
+        energies
+    }
+
+    /// Adds the gradient and the Hessian of the same at `state`, an `exact` one or Gauss–Newton's.
+    pub fn add_derivatives(
+        &self,
+        state: &State,
+        exact: bool,
+        gradient: &mut [f64],
+        hessian: &mut [[f64; 9]],
+        pattern: &BlockPattern,
+    ) {
+        (self.skeleton).add_derivatives(&state.frames, gradient, hessian, pattern);
+        (self.pulls).add_derivatives(state, gradient, hessian, pattern);
+        if exact {
+            (self.skeleton).add_geometric(&state.frames, hessian, pattern);
+            self.pulls.add_geometric(state, hessian, pattern);
+        }
+    }
+
+    /// What the skeleton and springs on the skin say of the bones that the step ends with.
+    pub fn skeleton_end(&self, state: &State, out: &mut SkeletonEnd) {
+        out.energies = self.skeleton_difference(&self.current, state);
         out.frame_gradient.fill(0.0);
-        self.skeleton.add_gradient(frames, &mut out.frame_gradient);
+        (self.skeleton).add_gradient(&state.frames, &mut out.frame_gradient);
+        self.pulls.add_gradient(state, &mut out.frame_gradient);
     }
 
     /// Reports on the state that a step ends with, of which skeleton and tissue say this.

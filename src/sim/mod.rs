@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `settings` | what stays the same through a simulation |
 //! | `waking_memory` | what waking remembers of an instance |
+//! | `skin_spring` | springs from points of the skin to places of the host's |
 //! | `instance` | an avatar's state and what drives it, written by the user between steps |
 //! | `waking` | which fine handles are awake in the next step |
 //! | `prediction` | where the minimisation starts: the inertial prediction, and qⁿ as its fall-back |
@@ -50,6 +51,7 @@ mod report;
 mod settings;
 pub(crate) mod settle;
 mod simulation;
+mod skin_spring;
 mod solvers;
 mod spring_bones;
 mod step_end;
@@ -76,4 +78,5 @@ pub use linear_solver::{LinearSolver, SolveReport};
 pub use report::{InstanceReport, Load, StepReport, Stop, Timings};
 pub use settings::{LARGEST_JOINT_STIFFNESS, Settings, SolverMode};
 pub use simulation::Simulation;
+pub use skin_spring::SkinSpring;
 pub use step_potential::{StepEnergies, StepPotential};

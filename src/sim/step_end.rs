@@ -58,7 +58,7 @@ impl StepEnds {
         let ends = newton.minimisations.iter().zip(&mut self.skeletons);
         for (i, (minimisation, skeletons)) in ends.enumerate().filter(|(i, _)| self.wanted[*i]) {
             skeletons.swap(0, 1);
-            minimisation.skeleton_end(&states[i].frames, &mut skeletons[0]);
+            minimisation.skeleton_end(&states[i], &mut skeletons[0]);
         }
         (members.end_step(states, &self.wanted, &mut self.ends, &mut self.late)).await?;
         let minimisations = newton.minimisations.iter_mut().enumerate();

@@ -4,6 +4,7 @@
 use super::carried::carried_bones;
 use super::instance::Instance;
 use super::settings::Settings;
+use super::skin_spring::SkinPulls;
 use super::step_start::tissue_start;
 use super::stepper::Physics;
 use crate::Result;
@@ -40,6 +41,7 @@ impl StepEnergies {
 pub struct StepPotential {
     tissue: Exact,
     skeleton: SkeletonPotential,
+    pulls: SkinPulls,
     start: State,
     fixed: Vec<bool>,
 }
@@ -76,8 +78,13 @@ impl StepPotential {
         tissue.wake(0, &instance.awake)?;
         let start = tissue_start(settings, physics.captured_under_gravity, instance, &[]);
         pollster::block_on(tissue.begin_step(&[start], &[true]))?;
+        let mut pulls = SkinPulls::default();
+        let skeleton = physics.skeleton.skeleton();
+        let (state, offsets) = (&instance.state, instance.pose_offsets.as_slice());
+        pulls.restart(&instance.skin_springs, skeleton, state, offsets)?;
         Ok(Self {
             tissue,
+            pulls,
             skeleton: physics.skeleton_potential(instance),
             start: instance.state.clone(),
             fixed,
@@ -138,16 +145,17 @@ impl StepPotential {
         let (frames, pattern) = (&state.frames, self.tissue.pattern());
         let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
         (self.skeleton).add_derivatives(frames, gradient, hessian, pattern);
+        (self.pulls).add_derivatives(state, gradient, hessian, pattern);
         if form == HessianForm::Exact {
             self.skeleton.add_geometric(frames, hessian, pattern);
+            self.pulls.add_geometric(state, hessian, pattern);
         }
         Ok(self.with_skeleton(out.energies, state))
     }
 
     fn with_skeleton(&self, tissue: Energies, state: &State) -> StepEnergies {
-        StepEnergies {
-            tissue,
-            skeleton: (self.skeleton).difference(&self.start.frames, &state.frames),
-        }
+        let mut skeleton = (self.skeleton).difference(&self.start.frames, &state.frames);
+        skeleton.tracking += self.pulls.difference(&self.start, state);
+        StepEnergies { tissue, skeleton }
     }
 }

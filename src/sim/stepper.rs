@@ -122,9 +122,13 @@ impl Stepper {
                 }
                 let start = skeleton_start(&physics.settings, instance);
                 minimisation.skeleton.restart(&physics.skeleton, &start);
+                let skeleton = physics.skeleton.skeleton();
+                let (state, offsets) = (&instance.state, instance.pose_offsets.as_slice());
+                let springs = &instance.skin_springs;
+                minimisation.solved =
+                    (minimisation.pulls).restart(springs, skeleton, state, offsets);
                 minimisation.current.clone_from(&instance.state);
                 minimisation.may_touch = !instance.colliders.is_empty();
-                let skeleton = physics.skeleton.skeleton();
                 fall_back(skeleton, instance, fallback);
                 predict(skeleton, instance, &start.inertia, iterate);
                 carry_on(instance, iterate, carried);

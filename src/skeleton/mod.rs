@@ -39,4 +39,5 @@ pub use limit::JointLimit;
 pub use preload::Preload;
 pub use system::{SkeletonEnergies, SkeletonPotential};
 pub(crate) use system::{SkeletonModel, SkeletonStart};
+pub(crate) use term::FrameHessian;
 pub use tracking::{Spring, Tracking};

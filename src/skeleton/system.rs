@@ -109,7 +109,7 @@ pub struct SkeletonEnergies {
     pub bending: f64,
     /// Limits of joints.
     pub limit: f64,
-    /// Springs and dampers of targets.
+    /// Springs and dampers of targets, and springs on the skin.
     pub tracking: f64,
     /// Gravity on bones, and on the tissue at φ = 0.
     pub gravity: f64,

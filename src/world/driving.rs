@@ -2,7 +2,7 @@
 
 use super::character::{Character, Driving};
 use crate::model::Frame;
-use crate::sim::Pin;
+use crate::sim::{Pin, SkinSpring};
 use crate::skeleton::{Preload, Spring, Tracking};
 use crate::{Error, Result};
 use glam::Mat4;
@@ -128,6 +128,13 @@ impl Character {
             }
         }
         Ok(())
+    }
+
+    /// Springs pull points of the skin, and with them flesh and bones, from the next step on and until others are said; an empty
+    /// list lets go. Bones give way as far as what drives them lets them: not at all where they follow.
+    pub fn pull_skin(&mut self, springs: &[SkinSpring]) {
+        self.instance.skin_springs.clear();
+        self.instance.skin_springs.extend_from_slice(springs);
     }
 
     /// What moves the bones from now on; before the first step it says where they start as well.

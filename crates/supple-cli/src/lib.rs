@@ -17,6 +17,8 @@ mod sample;
 mod simulate;
 mod simulate_report;
 pub mod terminal;
+#[cfg(feature = "view")]
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::path::Path;
@@ -35,6 +37,9 @@ struct Arguments {
 enum Command {
     /// Show a character: bake it, play its clip or shake it, and write a moving picture and a GLB file.
     Play(play::Arguments),
+    /// Open a window: drop a character in, pull at it, press it, throw things at it.
+    #[cfg(feature = "view")]
+    View(view::Arguments),
     /// Bake a character file (or a recipe's) into one file that simulates.
     Bake(bake::Arguments),
     /// Simulate a scene: pictures, a GLB file and a report.
@@ -59,6 +64,8 @@ pub fn main() -> ExitCode {
     };
     terminal::exit(match arguments.command {
         Command::Play(arguments) => arguments.run(),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => arguments.run(),
         Command::Bake(arguments) => arguments.run(),
         Command::Simulate(arguments) => arguments.run(),
         Command::Figures(arguments) => arguments.run(),

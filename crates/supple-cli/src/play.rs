@@ -13,9 +13,8 @@ use std::path::{Path, PathBuf};
 use supple::Result;
 use supple::internal::write_whole;
 use supple::model::Avatar;
-use supple_files::{CharacterFormat, FileKind, read_gltf_motions};
 use supple_pictures::picture_animation;
-use supple_scene::{AvatarSource, Report, Scene, SceneRun, Showing, TrackedMotion, load_avatar};
+use supple_scene::{Report, Scene, SceneRun, Showing, load_avatar, own_clip};
 
 /// Arguments of `supple play`.
 #[derive(clap::Args)]
@@ -63,7 +62,11 @@ impl Arguments {
     /// Bakes if needed, plays, and writes `play.png`, `avatar.glb` and `report.json`.
     pub fn run(self) -> Result<()> {
         let source = self.body.source(&self.file)?;
-        let motion = from_file(own_clip(&source)?, self.motion.as_ref());
+        let (own, note) = own_clip(&source)?;
+        if let Some(note) = note {
+            tell(format_args!("note: {note}"));
+        }
+        let motion = from_file(own, self.motion.as_ref());
         let motion = self.of_motion.apply(motion)?;
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
         let mut scene = Scene::of_avatar(&stem, source);
@@ -114,21 +117,4 @@ fn draw(scene: &Scene, avatar: &Avatar, run: &SceneRun, path: &Path) -> Result<(
     let animation = picture_animation(scene, avatar, &run.snapshots, frame_time, &mut progress);
     bar.finish_and_clear();
     animation.write_png(path)
-}
-
-/// The motion that a character's own file holds, if it is a glTF file and does.
-fn own_clip(source: &AvatarSource) -> Result<Option<TrackedMotion>> {
-    let Some(model) = source.model() else {
-        return Ok(None);
-    };
-    if FileKind::of(model)? != FileKind::Character(CharacterFormat::Gltf) {
-        return Ok(None);
-    }
-    // A character whose animation is broken is shown all the same.
-    let moves = read_gltf_motions(model).map(|clips| !clips.is_empty());
-    let moves = moves.unwrap_or_else(|e| {
-        tell(format_args!("note: no clip of its own: {e}"));
-        false
-    });
-    Ok(moves.then(|| TrackedMotion::of_file(model)))
 }

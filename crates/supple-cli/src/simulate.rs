@@ -62,7 +62,7 @@ impl Arguments {
             let problem = "the full space is solved on the CPU; leave --backend gpu out";
             return Err(Error::invalid("--full-space", problem));
         }
-        let mut scene = read_scene(self.scene_file()?)?;
+        let mut scene = read_scene(committed_or_file(&self.scene, &self.cache)?)?;
         let motion = from_file(scene.motion.take(), self.motion.as_ref());
         scene.motion = self.of_motion.apply(motion)?;
         let mut avatar = load_avatar(&scene.avatar, &self.cache, &mut baking_if_needed())?;
@@ -114,23 +114,6 @@ impl Arguments {
         Ok(())
     }
 
-    /// The file of the scene; one that comes with the program is found in any folder.
-    fn scene_file(&self) -> Result<PathBuf> {
-        if self.scene.exists() || self.scene.extension().is_some() {
-            return Ok(self.scene.clone());
-        }
-        if !committed_scenes().any(|name| self.scene == Path::new(name)) {
-            let names: Vec<&str> = committed_scenes().collect();
-            let problem = format!(
-                "is no file, nor a scene of the program's: {}",
-                names.join(", ")
-            );
-            return Err(Error::format(&self.scene, "scene", problem));
-        }
-        let scenes = unpack_scenes(&self.cache)?;
-        Ok(scenes.join(&self.scene).with_extension("toml"))
-    }
-
     /// Solves for every node, or takes what an earlier run kept; says on stderr which.
     fn solve_full_space(&self, scene: &Scene, avatar: &Avatar) -> Result<FullSpaceRun> {
         tell(format_args!("backend: cpu, full space"));
@@ -159,4 +142,21 @@ pub fn tell_motion(run: &SceneRun) {
     for note in &run.report.motion_notes {
         tell(format_args!("motion: {note}"));
     }
+}
+
+/// The file of a scene; one that comes with the program is found in any folder, and unpacked below `cache`.
+pub(super) fn committed_or_file(scene: &Path, cache: &Path) -> Result<PathBuf> {
+    if scene.exists() || scene.extension().is_some() {
+        return Ok(scene.into());
+    }
+    if !committed_scenes().any(|name| scene == Path::new(name)) {
+        let names: Vec<&str> = committed_scenes().collect();
+        let problem = format!(
+            "is no file, nor a scene of the program's: {}",
+            names.join(", ")
+        );
+        return Err(Error::format(scene, "scene", problem));
+    }
+    let scenes = unpack_scenes(cache)?;
+    Ok(scenes.join(scene).with_extension("toml"))
 }

@@ -235,17 +235,21 @@ fn parts(stage: &Stage) -> Image {
     Stage::sheet(panels, None, key.collect())
 }
 
-/// The skin by the depth of what lies under it: how far the nearest node is that a bone holds.
-fn tissue(avatar: &Avatar, stage: &Stage) -> Image {
+/// The depth of the tissue under each of `places`, m, in the reference shape: how far the nearest node is that a bone holds;
+/// 0 where none does, and of an avatar without its layer.
+pub fn tissue_depths(avatar: &Avatar, places: &[DVec3]) -> Vec<f64> {
     let layer = &avatar.layer;
     let held: Vec<DVec3> = (layer.mesh.nodes.iter().zip(&layer.bone_of_node))
         .filter_map(|(place, bone)| bone.map(|_| *place))
         .collect();
     let search = NearestPoint::new(&held);
     let depth = |p: &DVec3| Some(search.distance(*p)).filter(|d| d.is_finite());
-    let depths: Vec<f64> = (stage.skin.positions.iter())
-        .map(|p| depth(p).unwrap_or(0.0))
-        .collect();
+    places.iter().map(|p| depth(p).unwrap_or(0.0)).collect()
+}
+
+/// The skin by the depth of what lies under it.
+fn tissue(avatar: &Avatar, stage: &Stage) -> Image {
+    let depths = tissue_depths(avatar, &stage.skin.positions);
     let used = stage.skin.triangles.iter().flatten();
     let most = used.map(|&v| depths[v as usize]).fold(0.0, f64::max);
     let share = |d: &f64| colour_map(d / most.max(f64::MIN_POSITIVE));

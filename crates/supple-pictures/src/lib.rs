@@ -18,7 +18,7 @@ mod strip;
 mod text;
 
 pub use animation::Animation;
-pub use bake_pictures::{BakePicture, bake_pictures, write_bake_pictures};
+pub use bake_pictures::{BakePicture, bake_pictures, tissue_depths, write_bake_pictures};
 pub use colour::{Colour, category_colour, colour_map, diverging_map, from_srgb};
 pub use colour_scale::ColourScale;
 pub use curves::{Curves, Mark, Scale, Series};
@@ -29,3 +29,4 @@ pub use number::number;
 pub use raster::{Camera, Mesh, Plane, Projection, View, render};
 pub use scene_strip::{picture_animation, picture_strip};
 pub use strip::{Legend, Panel, Strip};
+pub use text::FONT_FILE;

@@ -4,11 +4,11 @@ use super::{Colour, Image};
 use ab_glyph::{Font, FontRef, Glyph, PxScaleFont, ScaleFont, point};
 use std::sync::LazyLock;
 
-/// Made as `assets/README.md` says.
-static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
-    FontRef::try_from_slice(include_bytes!("../assets/DejaVuSans-subset.ttf"))
-        .expect("the font in this crate is sound")
-});
+/// DejaVu Sans, cut as `assets/README.md` says: a TrueType file.
+pub const FONT_FILE: &[u8] = include_bytes!("../assets/DejaVuSans-subset.ttf");
+
+static FONT: LazyLock<FontRef<'static>> =
+    LazyLock::new(|| FontRef::try_from_slice(FONT_FILE).expect("the font in this crate is sound"));
 
 /// Of a line's height, how much lies above the letters' feet: capitals stand in its middle.
 const BASELINE: f32 = 0.865;

@@ -24,4 +24,4 @@ pub use scene::{
     BonePose, Cut, Focus, Inset, Measure, Motion, Output, PanelTime, Pinned, Placement, Scene,
     SceneBody, SceneCollider, SceneShape, Target, parse_scene, read_scene,
 };
-pub use showing::Showing;
+pub use showing::{Showing, own_clip};

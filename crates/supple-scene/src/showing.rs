@@ -1,18 +1,21 @@
-//! A scene that nobody wrote: an avatar on a ground that plays a clip, or is shaken where there is none.
+//! A scene that nobody wrote: an avatar on a ground that plays a clip, or is shaken or just stands where there is none.
 
 use crate::avatar_source::AvatarSource;
 use crate::motion::{Playback, TrackedMotion};
-use crate::scene::{Measure, Motion, Output, PanelTime, Pinned, Placement, Scene, SceneCollider};
+use crate::scene::{
+    Measure, Motion, Output, PanelTime, Pinned, Placement, Scene, SceneCollider, Target,
+};
 use glam::DVec3;
 use serde::Serialize;
 use std::fmt;
 use supple::collider::{Collider, Shape};
 use supple::internal::cpu::posed_skin;
-use supple::internal::math::rotation_log;
+use supple::internal::math::{rotation_exp, rotation_log};
 use supple::model::{Avatar, State, UpAxis};
 use supple::sim::Settings;
 use supple::skeleton::Preload;
 use supple::{Error, Result};
+use supple_files::{CharacterFormat, FileKind, read_gltf_motions};
 
 /// What a shown avatar does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,6 +47,25 @@ impl fmt::Display for Showing {
             ),
         }
     }
+}
+
+/// The motion that the character's own file holds, if it is a glTF file and does; and what is to be said of one that is
+/// broken: the character is shown all the same.
+///
+/// # Errors
+/// [`Error::Io`] where it cannot be read.
+pub fn own_clip(source: &AvatarSource) -> Result<(Option<TrackedMotion>, Option<String>)> {
+    let Some(model) = source.model() else {
+        return Ok((None, None));
+    };
+    if FileKind::of(model)? != FileKind::Character(CharacterFormat::Gltf) {
+        return Ok((None, None));
+    }
+    Ok(match read_gltf_motions(model) {
+        Ok(clips) if clips.is_empty() => (None, None),
+        Ok(_) => (Some(TrackedMotion::of_file(model)), None),
+        Err(e) => (None, Some(format!("no clip of its own: {e}"))),
+    })
 }
 
 /// Pictures a second.
@@ -229,6 +251,47 @@ impl Scene {
         Showing::Shaken {
             seconds: seconds.unwrap_or(time + SWINGS_OUT),
         }
+    }
+
+    /// Lets `avatar` stand on a ground in a scene of [`Scene::of_avatar`] and sway about its soles, as a person who stands
+    /// still does. Gives the time of one sway, s: whoever shows it for longer begins again then.
+    pub fn stand(&mut self, avatar: &Avatar) -> f64 {
+        /// s.
+        const SWAY: f64 = 4.0;
+        const DEGREES: f64 = 1.2;
+        let start = self.standing(avatar);
+        let up = self.up().direction();
+        let skin = posed_skin(avatar, &start).positions;
+        let soles = self.lowest(avatar, &start);
+        let middle = skin.iter().sum::<DVec3>() / skin.len().max(1) as f64;
+        let pivot = middle + (soles - middle.dot(up)) * up;
+        // Those who stand up along z face −y: forward and back again.
+        let axis = UpAxis::Z.rotation_to(self.up()) * DVec3::X;
+        let lean = rotation_exp(axis * DEGREES.to_radians());
+        let there_and_back = |way: f64| vec![[0.0, 0.0], [0.5 * SWAY, way], [SWAY, 0.0]];
+        let turn = (DEGREES * axis).to_array();
+        let springs = TrackedMotion::default();
+        let moved = (0..avatar.bones()).filter(|&bone| !avatar.is_carried(bone));
+        let target = |bone: usize| {
+            let arm = start.frames[bone].position - pivot;
+            let [x, y, z] = (lean * arm - arm).to_array().map(there_and_back);
+            let [a, b, c] = turn;
+            Target {
+                bone: avatar.skeleton.names[bone].clone(),
+                motion: Motion {
+                    x,
+                    y,
+                    z,
+                    rotation_degrees: vec![[0.0; 4], [0.5 * SWAY, a, b, c], [SWAY, 0.0, 0.0, 0.0]],
+                },
+                position: springs.position,
+                rotation: springs.rotation,
+            }
+        };
+        self.targets = moved.map(target).collect();
+        self.add_ground(soles);
+        self.steps = (SWAY / self.settings.time_step).round() as usize;
+        SWAY
     }
 
     /// Where the avatar stands before anything moves, in its bind pose.

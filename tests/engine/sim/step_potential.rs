@@ -8,9 +8,9 @@ use supple::glam::DVec3;
 use supple::internal::math::Random;
 use supple::model::{Frame, State};
 use supple::potential::{CpuPotential, Evaluation, HessianForm};
-use supple::sim::{Pin, Settings, Simulation, SolverMode, StepPotential};
+use supple::sim::{Pin, Settings, Simulation, SkinSpring, SolverMode, StepPotential};
 
-/// A held limb of two bones under a ball, some steps after it was let go.
+/// A held limb of two bones under a ball and drawn aside by its skin, some steps after it was let go.
 fn pressed() -> Result<(Simulation<CpuPotential>, StepPotential)> {
     let avatar = Arc::new(full_space_limb(&SMALL, 2, false));
     let settings = Settings {
@@ -34,6 +34,15 @@ fn pressed() -> Result<(Simulation<CpuPotential>, StepPotential)> {
     let mut ball = Collider::new(Shape::Sphere { radius: 0.02 }, frame);
     ball.friction = 0.4;
     instance.colliders.push(ball);
+    let far = |a: &usize, b: &usize| {
+        let along = |v: usize| avatar.skin.position[v].x;
+        along(*a).total_cmp(&along(*b))
+    };
+    let vertex = (0..avatar.skin.len()).max_by(far).unwrap_or_default();
+    let place = avatar.skin.position[vertex] + DVec3::new(0.002, 0.01, -0.004);
+    instance
+        .skin_springs
+        .push(SkinSpring::new(&avatar, vertex, place, 300.0)?);
     for _ in 0..3 {
         simulation.step_blocking()?;
     }

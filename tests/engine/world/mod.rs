@@ -9,6 +9,7 @@ mod fine;
 mod gpu;
 mod offsets;
 mod previous_skins;
+mod skin_springs;
 mod snapshots;
 mod springs;
 

@@ -8,6 +8,8 @@ mod output;
 mod pictures;
 mod play;
 mod simulate;
+#[cfg(feature = "view")]
+mod view;
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -199,3 +199,41 @@ fn it_is_looked_at_from_above() {
         assert_eq!(down, -0.15, "{up}");
     }
 }
+
+/// It leans forward by a degree about its soles and comes back to where it began, where it may begin again.
+#[test]
+fn who_stands_sways_about_the_soles_and_ends_as_it_began() {
+    for up in [UpAxis::X, UpAxis::Y, UpAxis::Z] {
+        let avatar = limb(up);
+        let mut scene = scene();
+        let sway = scene.stand(&avatar);
+        assert!(!scene.is_idle() && (scene.duration() - sway).abs() < 1e-9);
+        let (ground, low) = heights(&scene, &avatar);
+        assert!((low - ground).abs() < 0.005, "{low} m above {ground} m");
+        let start = avatar.placed(&avatar.standing(scene.up()));
+        let mut farthest = 0.0f64;
+        for target in &scene.targets {
+            let bone = avatar.skeleton.find(&target.bone).unwrap();
+            let there = target.motion.at(0.5 * sway);
+            // Rigidly: bones keep their distances.
+            let place = |k: usize, at: f64| {
+                let moved = scene.targets[k].motion.at(at).position;
+                start.frames[k].position + moved
+            };
+            let apart = |at: f64| place(bone, at).distance(place(0, at));
+            assert!((apart(0.0) - apart(0.5 * sway)).abs() < 1e-4 * (apart(0.0) + 0.1));
+            let turn = there
+                .rotation
+                .x_axis
+                .dot(DVec3::X)
+                .acos()
+                .max(there.rotation.z_axis.dot(DVec3::Z).acos());
+            assert!((0.01..0.04).contains(&turn), "{turn} rad");
+            farthest = farthest.max(there.position.length());
+            for ends in [0.0, sway] {
+                assert_eq!(target.motion.at(ends).position, DVec3::ZERO);
+            }
+        }
+        assert!(farthest > 1e-4, "{farthest} m");
+    }
+}
