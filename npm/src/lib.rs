@@ -14,8 +14,11 @@ mod settings;
 
 use wasm_bindgen::prelude::*;
 
-/// Tells the console what a panic said, before it becomes a `RuntimeError: unreachable`.
+/// Before anything else: products of matrices take SIMD where the build has it, and the console is told what a panic said before
+/// it becomes a `RuntimeError: unreachable`.
 #[wasm_bindgen(start)]
 fn start() {
+    #[cfg(target_arch = "wasm32")]
+    gemm_common::set_wasm_simd128(cfg!(target_feature = "simd128"));
     std::panic::set_hook(Box::new(|panic| error::panicked(&panic.to_string())));
 }

@@ -11,7 +11,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     bindgen
         .input_path(input)
         .out_name("supple")
-        .typescript(true);
+        .typescript(true)
+        // Names of functions are a tenth of the file.
+        .remove_name_section(true)
+        .remove_producers_section(true);
     bindgen.web(true)?.generate(folder)?;
     Ok(())
 }

@@ -91,7 +91,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bytes: Vec<u8> = kept.iter().flat_map(|x: &f32| x.to_le_bytes()).collect();
     std::fs::write(folder.join("hand_press.f32"), bytes)?;
     times.sort_by(f64::total_cmp);
-    println!("native, one thread: {:.2} ms a step (median)", times[times.len() / 2]);
+    println!(
+        "native, one thread: {:.2} ms a step (median)",
+        times[times.len() / 2]
+    );
     Ok(())
 }
 
