@@ -1,8 +1,6 @@
 // Soft skin for three.js: takes the place of the skinned meshes of GLTFLoader or three-vrm and follows their skeleton.
 
-import {
-  BufferAttribute, BufferGeometry, DynamicDrawUsage, Matrix4, Mesh, Quaternion, Vector3,
-} from "three";
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Matrix4, Mesh, Quaternion, Vector3 } from "three";
 import { InvalidError, load } from "./index.js";
 
 const place = new Vector3();
@@ -19,31 +17,31 @@ export class SoftAvatar {
   #drawn = [];
   #touched = new Map();
 
-  /**
-   * Makes the skin of a model soft. `model` is what GLTFLoader gives (with three-vrm or without), a VRM, or any object with
-   * the character's bones below it; `file` its bytes, or a baked file of them. Options are those of `load`.
-   */
+  // Makes the skin of a model soft. `model` is what GLTFLoader gives (with three-vrm or without), a VRM, or any object with the
+  // character's bones below it; `file` its bytes, or a baked file of them. Options are those of `load`.
   static async from(model, file, options) {
     const root = model.scene ?? model;
     root.updateWorldMatrix(true, true);
     const soft = new SoftAvatar(await load(file, options), root);
-    await soft.#findNodes(model.parser);
-    soft.#replace();
-    soft.#follow();
-    return soft;
+    try {
+      await soft.#findNodes(model.parser);
+      soft.#replace();
+      soft.#follow();
+      return soft;
+    } catch (error) {
+      soft.dispose();
+      throw error;
+    }
   }
 
   constructor(avatar, root) {
-    this.avatar = avatar;
-    this.#root = root;
+    [this.avatar, this.#root, this.meshes] = [avatar, root, []];
     // The engine's lengths are the file's; a model that is scaled in the scene is drawn scaled.
     root.matrixWorld.decompose(place, turn, size);
     if (Math.max(size.x, size.y, size.z) > 1.001 * Math.min(size.x, size.y, size.z)) {
-      const cure = "scale it alike along x, y and z";
-      throw new InvalidError(`model: is scaled unevenly; ${cure}`, { field: "model", cure });
+      throw wrong("model", "is scaled unevenly", "scale it alike along x, y and z");
     }
     this.scale = size.x;
-    this.meshes = [];
   }
 
   /** The node of each joint: by the file's own numbers where its parser is there, else by name. */
@@ -66,8 +64,7 @@ export class SoftAvatar {
     joints.forEach((joint, j) => {
       this.#nodes[j] ??= named.get(joint.name);
       if (!this.#nodes[j] && joint.is) {
-        const cure = "hand in the model that this file is loaded as";
-        throw new InvalidError(`joint "${joint.name}": is not in the model; ${cure}`, { field: joint.name, cure });
+        throw wrong(`joint "${joint.name}"`, "is not in the model", "hand in the model that this file is loaded as");
       }
     });
     this.#matrices = new Float32Array(16 * joints.length);
@@ -103,8 +100,7 @@ export class SoftAvatar {
       this.meshes.push(mesh);
     }
     if (!this.meshes.length) {
-      const cure = "hand in the model that this file is loaded as";
-      throw new InvalidError(`model: has no mesh of the avatar's; ${cure}`, { field: "model", cure });
+      throw wrong("model", "has no mesh of the avatar's", "hand in the model that this file is loaded as");
     }
   }
 
@@ -114,8 +110,7 @@ export class SoftAvatar {
     const unscale = 1 / this.scale;
     this.#nodes.forEach((node, j) => {
       if (!node) return;
-      matrix.makeScale(unscale, unscale, unscale).multiply(node.matrixWorld);
-      matrix.toArray(this.#matrices, 16 * j);
+      matrix.makeScale(unscale, unscale, unscale).multiply(node.matrixWorld).toArray(this.#matrices, 16 * j);
     });
     this.avatar.follow(this.#matrices);
   }
@@ -125,13 +120,10 @@ export class SoftAvatar {
     this.#follow();
     for (const { move } of this.#touched.values()) move();
     if (dt > 0) this.avatar.step(dt);
-    for (const { part, geometry } of this.#drawn) {
-      for (const [name, array] of [["position", part.positions], ["normal", part.normals]]) {
-        const attribute = geometry.attributes[name];
-        // The wasm's memory may have grown.
-        attribute.array = array;
-        attribute.needsUpdate = true;
-      }
+    for (const { part, geometry: { attributes: { position, normal } } } of this.#drawn) {
+      // The wasm's memory may have grown.
+      [position.array, normal.array] = [part.positions, part.normals];
+      position.needsUpdate = normal.needsUpdate = true;
     }
   }
 
@@ -146,18 +138,14 @@ export class SoftAvatar {
       return [place.divideScalar(this.scale), turn];
     };
     const [position, rotation] = at();
-    const said = { ...options, rotation };
-    const { avatar } = this;
+    const [said, { avatar }] = [{ ...options, rotation }, this];
     const add = {
       SphereGeometry: () => avatar.addSphere(world * p.radius, position, said),
       CapsuleGeometry: () => avatar.addCapsule(world * p.radius, (world * (p.height ?? p.length)) / 2, position, said),
       BoxGeometry: () => avatar.addBox([p.width, p.height, p.depth].map((l) => (world * l) / 2), position, said),
       PlaneGeometry: () => avatar.addHalfSpace(position, new Vector3(0, 0, 1).applyQuaternion(rotation), options),
     }[type];
-    if (!add) {
-      const cure = "use a sphere, capsule, box or plane, or avatar.addCylinder and its moveTo";
-      throw new InvalidError(`mesh: a ${type} is no collider; ${cure}`, { field: "mesh", cure });
-    }
+    if (!add) throw wrong("mesh", `a ${type} is no collider`, "use a sphere, capsule, box or plane, or avatar.addCylinder");
     const collider = add();
     const move = () => {
       mesh.updateWorldMatrix(true, false);
@@ -187,9 +175,13 @@ export class SoftAvatar {
       mesh.removeFromParent();
       geometry.dispose();
     }
-    this.#drawn = [];
     this.avatar.free();
   }
+}
+
+/** An error about what was handed in. */
+function wrong(field, problem, cure) {
+  return new InvalidError(`${field}: ${problem}; ${cure}`, { field, problem, cure });
 }
 
 /** The mesh of `free` that a part is: as many triangles, and by name, material and texture coordinates the likest. */

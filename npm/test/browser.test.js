@@ -229,7 +229,7 @@ for (const [name, spot] of Object.entries(real)) {
   });
 }
 
-test("an error of a worker is of its class in the page", async () => {
+test("errors are of their classes in the page, from a worker too", async () => {
   const { page } = await open("three.html");
   const error = await page.evaluate(async () => {
     const { FormatError, bake } = await import("supple-avatar");
@@ -237,5 +237,23 @@ test("an error of a worker is of its class in the page", async () => {
   });
   assert.deepEqual(error.slice(0, 2), [true, "me.fbx"]);
   assert.match(error[2], /\.glb/);
+  const others = await page.evaluate(async () => {
+    const { InvalidError } = await import("supple-avatar");
+    const { SoftAvatar } = await import("supple-avatar/three");
+    const { Mesh, Object3D, TorusGeometry } = await import("three");
+    const told = (found) => [found instanceof InvalidError, String(found)];
+    const baked = window.soft.avatar.save();
+    const stranger = await SoftAvatar.from(new Object3D(), baked).catch((found) => found);
+    let torus;
+    try { window.soft.touch(new Mesh(new TorusGeometry())); } catch (found) { torus = found; }
+    window.soft.release(window.touching);
+    window.touching.position.copy({ x: 0, y: 1.1, z: 0 });
+    window.frames_(5);
+    return { stranger: told(stranger), torus: told(torus), force: window.soft.avatar.contactForce };
+  });
+  assert.ok(others.stranger[0] && others.torus[0], `${others.stranger} ${others.torus}`);
+  assert.match(others.stranger[1], /joint "hips": is not in the model; hand in/);
+  assert.match(others.torus[1], /TorusGeometry is no collider; use a sphere/);
+  assert.deepEqual(others.force, [0, 0, 0], "what is released touches no more");
   await page.close();
 });

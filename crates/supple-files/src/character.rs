@@ -412,4 +412,36 @@ mod tests {
             assert!(problem.contains(hint), "{problem}");
         }
     }
+
+    #[test]
+    fn bytes_are_read_as_the_file_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let obj =
+            "o solid\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+        let tets = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n\
+                    Tetrahedra 1\n1 2 3 4 0\nEnd\n";
+        let broken = "{\"asset\": {\"version\": \"2.0\"}}";
+        let options = CharacterOptions::default();
+        for (name, text) in [
+            ("a.obj", obj),
+            ("a.mesh", tets),
+            ("a.gltf", broken),
+            ("a.npz", "PK"),
+            ("a.fbx", "?"),
+            ("a.glb", ""),
+        ] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            let of_file = read_character(&path, &options);
+            let of_bytes = parse_character(text.as_bytes(), &path, &options);
+            match (of_file, of_bytes) {
+                (Ok(file), Ok(bytes)) => assert_eq!(file, bytes, "{name}"),
+                (Err(file), Err(bytes)) => assert_eq!(file.to_string(), bytes.to_string()),
+                (file, bytes) => panic!("{name}: {file:?} and {bytes:?}"),
+            }
+        }
+        let known = |name: &str, text: &str| parse_character(text.as_bytes(), name, &options);
+        assert!(known("a.obj", obj).is_ok() && known("a.mesh", tets).is_ok());
+        assert!(known("a.gltf", broken).is_err());
+    }
 }
