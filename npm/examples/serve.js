@@ -24,7 +24,7 @@ export function serve(characters, port = 0) {
     }
   };
   const server = createServer(async (request, response) => {
-    const place = await find(new URL(request.url, "http://localhost").pathname);
+    const place = await find(new URL(request.url, "http://localhost").pathname).catch(() => undefined);
     if (!place) return response.writeHead(404).end();
     response.writeHead(200, { "content-type": kinds[extname(place)] ?? "application/octet-stream" });
     createReadStream(place).pipe(response);

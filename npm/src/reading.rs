@@ -74,9 +74,9 @@ pub fn read(
             return Err(Error::invalid("options", problem));
         }
         let file = supple_bake::from_bytes(&bytes, path)?;
-        return Ok(Read::of(file.avatar, Vec::new()));
+        let notes = file.report.map(|report| report.notes);
+        return Ok(Read::of(file.avatar, notes.unwrap_or_default()));
     }
-    let of_file = |e: Error| e.of_file(path);
     let asked = CharacterOptions {
         betas: options.betas.clone(),
         parts: PartNames {
@@ -101,8 +101,15 @@ pub fn read(
         let next = PHASES.get(done).copied().unwrap_or_default();
         progress(done, PHASES.len(), next);
     };
-    let (avatar, _) = bake(&body, &recipe, &mut tell).map_err(of_file)?;
-    Ok(Read::of(avatar, file.notes))
+    let named = |error: Error| match &error {
+        // A recipe is the page's and not the file's.
+        Error::Invalid { field, .. } if field.inside("recipe").is_some() => error,
+        _ => error.of_file(path),
+    };
+    let (avatar, report) = bake(&body, &recipe, &mut tell).map_err(named)?;
+    let mut notes = file.notes;
+    notes.extend(report.notes);
+    Ok(Read::of(avatar, notes))
 }
 
 impl Read {
