@@ -1,4 +1,4 @@
-.PHONY: demo figures test test-python test-view bench bench-smoke ci
+.PHONY: demo figures test test-python test-view test-web bench bench-smoke ci
 
 # The soft hand pressed on a cylinder; pictures, GLB and report in out/hand_press.
 # `make demo ARGS=--allow-software` takes a software adapter where there is no GPU.
@@ -14,6 +14,7 @@ figures:
 test:
 	.ci/install-vulkan
 	cargo test --workspace
+	@echo "The packages have tests of their own: make test-python, make test-web."
 
 # Builds the Python package into python/.venv, and runs its tests.
 test-python:
@@ -22,6 +23,11 @@ test-python:
 # Drives the window of `supple view` under Xvfb, which it installs on Debian.
 test-view:
 	.ci/test-view
+
+# Builds the npm package's wasm, and runs its tests in Node and in headless Chromium, which it installs on Debian.
+# `make test-web COMPARE=1` builds it without SIMD as well, and times both.
+test-web:
+	COMPARE=$(COMPARE) .ci/test-web
 
 bench:
 	cargo bench

@@ -20,8 +20,7 @@ use crate::mesh::{MeshQuality, MeshReport};
 use crate::softness::Regions;
 use crate::sway::SwayProfile;
 use std::sync::Arc;
-use std::time::Instant;
-use supple::internal::math::Rows;
+use supple::internal::math::{Rows, Stopwatch};
 use supple::model::{Avatar, PointSet, SoftLayer, SpringBones, TetMesh};
 use supple::{Error, Result};
 
@@ -342,7 +341,7 @@ pub(crate) fn row_lengths<T>(rows: &Rows<T>) -> (f64, usize) {
 struct Clock<'a, 'b> {
     progress: &'a mut Progress<'b>,
     phase: usize,
-    since: Instant,
+    since: Stopwatch,
     seconds: Vec<(String, f64)>,
 }
 
@@ -351,7 +350,7 @@ impl<'a, 'b> Clock<'a, 'b> {
         Self {
             progress,
             phase: 0,
-            since: Instant::now(),
+            since: Stopwatch::start(),
             seconds: Vec::new(),
         }
     }
@@ -361,12 +360,12 @@ impl<'a, 'b> Clock<'a, 'b> {
             self.note();
         }
         self.phase = phase;
-        self.since = Instant::now();
+        self.since = Stopwatch::start();
         (self.progress)(phase);
     }
 
     fn note(&mut self) {
-        let seconds = self.since.elapsed().as_secs_f64();
+        let seconds = self.since.ms() / 1e3;
         self.seconds.push((PHASES[self.phase].into(), seconds));
     }
 

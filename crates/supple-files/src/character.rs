@@ -1,8 +1,8 @@
 //! Any character file: what it is, and the body in it.
 
 use super::{
-    PartNames, SmplModel, read_betas, read_gltf, read_obj, read_smpl_model, read_tets,
-    separate_tissue,
+    PartNames, SmplModel, parse_gltf, parse_obj, parse_smpl, parse_tets, read_betas, read_gltf,
+    read_obj, read_smpl_model, read_tets, separate_tissue,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -59,11 +59,19 @@ impl FileKind {
                 Err(e) => return Err(Error::io(path, e)),
             }
         }
-        if length == 0 {
+        Self::of_bytes(&start[..length], path)
+    }
+
+    /// The kind of a file whose `bytes`, or the first 64 of them, are in memory; `path` names it.
+    ///
+    /// # Errors
+    /// [`Error::Format`] of what is none of these, with what can be read.
+    pub fn of_bytes(bytes: &[u8], path: &Path) -> Result<Self> {
+        if bytes.is_empty() {
             return Err(Error::format(path, "format", "is empty"));
         }
         let extension = path.extension().unwrap_or_default().to_string_lossy();
-        Self::from_start(&start[..length], &extension.to_lowercase())
+        Self::from_start(&bytes[..bytes.len().min(64)], &extension.to_lowercase())
             .map_err(|problem| Error::format(path, "format", problem))
     }
 
@@ -131,8 +139,31 @@ pub struct CharacterOptions {
 /// [`Error::Io`], [`Error::Format`] with the key or line at fault and its cure.
 pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Result<CharacterFile> {
     let path = path.as_ref();
+    character(path, None, FileKind::of(path)?, options)
+}
+
+/// [`read_character`] of a file's `bytes`; `path` names it, and other files that it asks for lie relative to it.
+///
+/// # Errors
+/// As [`read_character`].
+pub fn parse_character(
+    bytes: &[u8],
+    path: impl AsRef<Path>,
+    options: &CharacterOptions,
+) -> Result<CharacterFile> {
+    let path = path.as_ref();
+    character(path, Some(bytes), FileKind::of_bytes(bytes, path)?, options)
+}
+
+/// The character of `bytes`, or else of the file at `path`.
+fn character(
+    path: &Path,
+    bytes: Option<&[u8]>,
+    kind: FileKind,
+    options: &CharacterOptions,
+) -> Result<CharacterFile> {
     let betas = &options.betas;
-    let format = match FileKind::of(path)? {
+    let format = match kind {
         FileKind::Character(format) => format,
         FileKind::Toml => {
             let problem = "is a recipe or a scene, and a character file is needed";
@@ -158,7 +189,10 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
     let of_file = |e: Error| e.of_file(path);
     match format {
         CharacterFormat::Smpl => {
-            let model = read_smpl_model(path)?;
+            let model = match bytes {
+                Some(bytes) => parse_smpl(bytes, path)?,
+                None => read_smpl_model(path)?,
+            };
             let shapes = model.shapes;
             let mut betas = betas.clone();
             let mut notes = Vec::new();
@@ -176,7 +210,10 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
             file.notes.splice(0..0, notes);
         }
         CharacterFormat::Gltf => {
-            let character = read_gltf(path)?;
+            let character = match bytes {
+                Some(bytes) => parse_gltf(bytes, path)?,
+                None => read_gltf(path)?,
+            };
             check_betas(character.shapes().len())?;
             file.body = (character.body_of_parts(betas, &options.parts)).map_err(of_file)?;
             file.shapes = character.shapes().iter().map(|s| s.name.clone()).collect();
@@ -184,7 +221,11 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
         }
         CharacterFormat::Obj => {
             check_betas(0)?;
-            file.body = skin_around_one_bone(&name, read_obj(path)?);
+            let objects = match bytes {
+                Some(bytes) => parse_obj(bytes, path)?,
+                None => read_obj(path)?,
+            };
+            file.body = skin_around_one_bone(&name, objects);
             file.separate(&options.parts).map_err(of_file)?;
         }
         CharacterFormat::Tets => {
@@ -193,7 +234,11 @@ pub fn read_character(path: impl AsRef<Path>, options: &CharacterOptions) -> Res
                 let problem = "tets are one part: leave `tissue` and `rigid` out";
                 return Err(Error::format(path, "tissue", problem));
             }
-            let body = read_tets(path)?.body(&name, &options.regions);
+            let tets = match bytes {
+                Some(bytes) => parse_tets(bytes, path)?,
+                None => read_tets(path)?,
+            };
+            let body = tets.body(&name, &options.regions);
             file.body = body.map_err(of_file)?;
             let vertices = file.body.skin.positions.len();
             file.file_vertex_count = vertices;
@@ -366,5 +411,37 @@ mod tests {
             let problem = kind(b"????", extension).unwrap_err();
             assert!(problem.contains(hint), "{problem}");
         }
+    }
+
+    #[test]
+    fn bytes_are_read_as_the_file_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let obj =
+            "o solid\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+        let tets = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n\
+                    Tetrahedra 1\n1 2 3 4 0\nEnd\n";
+        let broken = "{\"asset\": {\"version\": \"2.0\"}}";
+        let options = CharacterOptions::default();
+        for (name, text) in [
+            ("a.obj", obj),
+            ("a.mesh", tets),
+            ("a.gltf", broken),
+            ("a.npz", "PK"),
+            ("a.fbx", "?"),
+            ("a.glb", ""),
+        ] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            let of_file = read_character(&path, &options);
+            let of_bytes = parse_character(text.as_bytes(), &path, &options);
+            match (of_file, of_bytes) {
+                (Ok(file), Ok(bytes)) => assert_eq!(file, bytes, "{name}"),
+                (Err(file), Err(bytes)) => assert_eq!(file.to_string(), bytes.to_string()),
+                (file, bytes) => panic!("{name}: {file:?} and {bytes:?}"),
+            }
+        }
+        let known = |name: &str, text: &str| parse_character(text.as_bytes(), name, &options);
+        assert!(known("a.obj", obj).is_ok() && known("a.mesh", tets).is_ok());
+        assert!(known("a.gltf", broken).is_err());
     }
 }

@@ -33,7 +33,9 @@ mod weld;
 pub use amass::{AmassOptions, parse_amass, read_amass, read_amass_with, read_betas};
 pub use body_arrays::BodyArrays;
 pub use bvh::{BvhOptions, bvh_text, parse_bvh, read_bvh, write_bvh};
-pub use character::{CharacterFile, CharacterFormat, CharacterOptions, FileKind, read_character};
+pub use character::{
+    CharacterFile, CharacterFormat, CharacterOptions, FileKind, parse_character, read_character,
+};
 pub use colour::{BODY_COLOUR, Colour, from_srgb};
 pub use file::{read_text, read_toml_text};
 pub use gltf::write::{
