@@ -31,6 +31,9 @@ pub struct SkinSpring {
     rest: DVec3,
     skinning: Vec<SkinWeight>,
     basis: Vec<BasisEntry>,
+    /// (fine handle, U), handles rising, and the first of the slots that stand for those awake.
+    fine: Vec<(u32, f32)>,
+    first_slot: u32,
     /// Pose blend shapes at the vertex: one for each feature, or none.
     columns: Vec<[f32; 3]>,
 }
@@ -39,18 +42,13 @@ impl SkinSpring {
     /// A spring of `stiffness` k (N/m) from `vertex` of the skin of `avatar` to `place` (m, world).
     ///
     /// # Errors
-    /// [`Error::Invalid`] of a vertex that is not there, a place that is not finite, or a negative stiffness; of an avatar
-    /// with slots for fine handles, whose part in the skin a spring does not know.
+    /// [`Error::Invalid`] of a vertex that is not there, a place that is not finite, or a negative stiffness.
     pub fn new(avatar: &Avatar, vertex: usize, place: DVec3, stiffness: f64) -> Result<Self> {
         let (skin, field) = (&avatar.skin, "skin_spring");
         let refuse = |key: &str, problem: String| Error::invalid(format!("{field}.{key}"), problem);
         if vertex >= skin.len() {
             let problem = format!("{vertex}; the skin has {} vertices", skin.len());
             return Err(refuse("vertex", problem));
-        }
-        if avatar.fine.slots > 0 {
-            let problem = "the avatar has slots for fine handles: load it without them";
-            return Err(refuse("avatar", problem.into()));
         }
         let blend = &skin.pose_blend;
         let column = |k: usize| blend.columns[k * skin.len() + vertex];
@@ -61,6 +59,11 @@ impl SkinSpring {
             rest: skin.position[vertex],
             skinning: skin.skinning.row(vertex).to_vec(),
             basis: skin.basis.row(vertex).to_vec(),
+            fine: match avatar.fine.slots {
+                0 => Vec::new(),
+                _ => avatar.fine.skin.row(vertex).to_vec(),
+            },
+            first_slot: avatar.coarse_handles() as u32,
             columns: (0..blend.features).map(column).collect(),
         };
         spring.validate().map_err(|e| e.within(field))?;
@@ -70,6 +73,25 @@ impl SkinSpring {
     /// Which vertex of the skin.
     pub fn vertex(&self) -> usize {
         self.vertex
+    }
+
+    /// Where the vertex is in the reference shape, m.
+    pub(super) fn rest(&self) -> DVec3 {
+        self.rest
+    }
+
+    /// Adds the fine handles that are awake in `state` to what moves the vertex.
+    fn wake(&mut self, state: &State) {
+        let slots = state.awake.iter().zip(self.first_slot..);
+        let fine = &self.fine;
+        self.basis.extend(slots.filter_map(|(handle, slot)| {
+            let at = fine.binary_search_by_key(handle, |(h, _)| *h).ok()?;
+            Some(BasisEntry {
+                handle: slot,
+                value: f64::from(fine[at].1),
+                gradient: DVec3::ZERO,
+            })
+        }));
     }
 
     /// Checks what a host may have written.
@@ -118,6 +140,7 @@ impl SkinPulls {
         }
         self.joints.clear();
         self.joints.extend_from_slice(&skeleton.joints);
+        (self.springs.iter_mut()).for_each(|spring| spring.wake(current));
         pose_feature_into(&skeleton.parents, &current.frames, &mut self.feature);
         for spring in &self.springs {
             spring.validate().map_err(|e| e.within("skin_springs"))?;

@@ -1,12 +1,14 @@
 //! Which fine handles are awake: those near what touches, ahead of it.
 //!
 //! A handle wakes when a collider comes within reach of its support, at the end of the next frame or anywhere on its way there,
-//! the nearest first, up to the slots that there are. It falls asleep when nothing is within a longer reach and it has come to
-//! rest: then the rest of its φ is taken back, no more than [`DRIFT`] a frame, so that nothing jumps. Where all slots are taken and
-//! a handle waits that is nearer by a spacing, the one that carries least of those farther is eased out in the same way. The finer cubature fades in and out, slower where the tissue is loaded: swapping the points of a cell moves
-//! the balance by up to half of its displacement.
+//! and near what a spring pulls at, the nearest first, up to the slots that there are. It falls asleep when nothing is within a
+//! longer reach and it has come to rest: then the rest of its φ is taken back, no more than [`DRIFT`] a frame, so that nothing
+//! jumps. Where all slots are taken and a handle waits that is nearer by a spacing, the one that carries least of those farther is
+//! eased out in the same way. The finer cubature fades in and out, slower where the tissue is loaded: swapping the points of a
+//! cell moves the balance by up to half of its displacement.
 
 use super::instance::Instance;
+use super::skin_spring::SkinSpring;
 use super::waking_memory::{Near, WakingMemory};
 use crate::collider::Collider;
 use crate::math::Rows;
@@ -79,10 +81,11 @@ impl Waking {
             history,
             awake,
             waking,
+            skin_springs,
             ..
         } = instance;
         awake.complete(&self.fine);
-        self.measure(state, colliders, waking);
+        self.measure(state, colliders, skin_springs, waking);
         waking.leaving.resize(awake.handles().len(), false);
         let budget = budget.min(self.fine.slots);
         // Sorted in place: a step allocates nothing.
@@ -173,10 +176,16 @@ impl Waking {
     }
 
     /// Distance of every handle from what may touch it in the next frame, and the list of those within reach.
-    fn measure(&self, state: &State, colliders: &[Collider], waking: &mut WakingMemory) {
+    fn measure(
+        &self,
+        state: &State,
+        colliders: &[Collider],
+        springs: &[SkinSpring],
+        waking: &mut WakingMemory,
+    ) {
         waking.near.clear();
         waking.distances.clear();
-        if colliders.is_empty() {
+        if colliders.is_empty() && springs.is_empty() {
             waking.distances.resize(self.fine.len(), f64::INFINITY);
             return;
         }
@@ -207,7 +216,9 @@ impl Waking {
                 let distance = collider.signed_distance(&end, place).distance;
                 distance - collider.margin - swept
             };
-            let distance = colliders.iter().map(of).fold(f64::INFINITY, f64::min);
+            let pulled = springs.iter().map(|spring| spring.rest().distance(*rest));
+            let distances = colliders.iter().map(of).chain(pulled);
+            let distance = distances.fold(f64::INFINITY, f64::min);
             waking.distances.push(distance);
             if distance < reach {
                 let handle = handle as u32;

@@ -6,7 +6,7 @@ use supple::collider::{Collider, Shape};
 use supple::glam::DVec3;
 use supple::model::{Avatar, Frame, RigidBody, UpAxis};
 use supple::potential::CpuPotential;
-use supple::sim::{Pin, Settings, Simulation};
+use supple::sim::{Pin, Settings, Simulation, SkinSpring};
 use supple::world::{Backend, ColliderId, InstanceId};
 use supple::{Result, World};
 
@@ -198,5 +198,48 @@ fn a_body_wakes_them_and_a_restored_world_goes_on_with_the_same_bits() -> Result
         assert!(again == skin && *world.instance(limb)?.state() == handles);
     }
     assert!(apart(&skin, &LIMB.skin.position) > 1e-4);
+    Ok(())
+}
+
+/// What takes hold of the skin wakes them, and they are part of the point that it holds.
+#[test]
+fn a_spring_on_the_skin_wakes_them_and_pulls_at_them() -> Result<()> {
+    const STIFFNESS: f64 = 300.0;
+    let pulled = |budget: usize| -> Result<f64> {
+        let (mut world, limb, _) = world(budget)?;
+        world.set_gravity(DVec3::ZERO);
+        let settings = Settings {
+            solver: super::CONVERGED,
+            ..*world.settings()
+        };
+        world.set_settings(settings)?;
+        let top = DVec3::new(0.125, 0.0, 0.04);
+        let distance = |v: &usize| LIMB.skin.position[*v].distance(top);
+        let vertices = 0..LIMB.skin.len();
+        let vertex = vertices.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let vertex = vertex.unwrap_or_default();
+        let start = LIMB.skin.position[vertex];
+        let to = start + DVec3::new(0.004, 0.0, 0.008);
+        let at = LIMB.rest_state().frames;
+        world.instance_mut(limb)?.follow_frames(&at)?;
+        world.step_blocking(0.01)?;
+        let avatar = world.instance(limb)?.avatar().clone();
+        let spring = SkinSpring::new(&avatar, vertex, to, STIFFNESS)?;
+        world.instance_mut(limb)?.pull_skin(&[spring]);
+        let (mut skin, mut normals) = (Vec::new(), Vec::new());
+        for _ in 0..150 {
+            world.instance_mut(limb)?.follow_frames(&at)?;
+            world.step_blocking(0.01)?;
+        }
+        world.read_skin_blocking(limb, &mut skin, &mut normals)?;
+        assert_eq!(awake(&world, limb)?.len(), budget);
+        let force = STIFFNESS * (to - skin[vertex]);
+        let load = world.instance(limb)?.report().loads[0].force;
+        let error = (load + force).length();
+        assert!(error < 1e-3 * force.length(), "{load} N, {force} N");
+        Ok(skin[vertex].distance(start))
+    };
+    let (coarse, fine) = (pulled(0)?, pulled(12)?);
+    assert!(fine > 1.3 * coarse, "{fine} m, {coarse} m");
     Ok(())
 }
