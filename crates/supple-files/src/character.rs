@@ -418,8 +418,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let obj =
             "o solid\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-        let tets = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n\
-                    Tetrahedra 1\n1 2 3 4 0\nEnd\n";
+        let tets = "MeshVersionFormatted 2\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0.2 0.2 0.2 0\n\
+                    Tetrahedra 4\n1 2 3 5 0\n1 4 2 5 0\n1 3 4 5 0\n2 4 3 5 0\nEnd\n";
         let broken = "{\"asset\": {\"version\": \"2.0\"}}";
         let options = CharacterOptions::default();
         for (name, text) in [
