@@ -284,7 +284,15 @@ impl Character {
                 targets.for_each(|target| target.earlier = target.previous);
             }
         }
-        instance.validate(&like)
+        // Since then room may have been made for more bodies.
+        let frames = instance.state.frames.len();
+        if (self.bones()..like.frames.len()).contains(&frames)
+            && self.instance.bending.len() == frames
+        {
+            let avatar = self.avatar.clone();
+            self.set_avatar(&avatar);
+        }
+        self.instance.validate(&like)
     }
 
     fn restore(
