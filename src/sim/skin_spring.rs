@@ -265,3 +265,59 @@ impl SkinPulls {
         position(&spring.skinning, &self.joints, frames, unposed)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random_avatar::{random_avatar, random_state};
+
+    /// The exact Hessian is the gradient's differences, symmetrised over the order of two rotations; the gradient is the
+    /// energy's.
+    #[test]
+    fn derivatives_are_differences_with_the_geometric_term() {
+        const STEP: f64 = 1e-6;
+        let avatar = random_avatar(5, 3, 6, 12, 20);
+        let (start, state) = (avatar.rest_state(), random_state(6, &avatar, 0.7, 0.02));
+        let spring = SkinSpring::new(&avatar, 7, DVec3::new(0.3, -0.2, 0.5), 40.0).unwrap();
+        let mut pulls = SkinPulls::default();
+        let restarted = pulls.restart(&vec![spring], &avatar.skeleton, &start, &[]);
+        restarted.unwrap();
+        let pattern = BlockPattern::new(avatar.space(), &[], &[&avatar.skin]);
+        let dofs = avatar.space().dofs();
+        let (mut gradient, mut hessian) = (vec![0.0; dofs], vec![[0.0; 9]; pattern.len()]);
+        pulls.add_derivatives(&state, &mut gradient, &mut hessian, &pattern);
+        pulls.add_geometric(&state, &mut hessian, &pattern);
+        let moved = |k: usize, by: f64| {
+            let step: Vec<f64> = (0..dofs).map(|i| f64::from(u8::from(i == k))).collect();
+            state.moved(&step, by)
+        };
+        let mut columns = Vec::new();
+        for k in 0..dofs {
+            let (ahead, behind) = (moved(k, STEP), moved(k, -STEP));
+            let slope = pulls.difference(&behind, &ahead) / (2.0 * STEP);
+            assert!((gradient[k] - slope).abs() < 1e-6, "{k}: {slope}");
+            let of = |state: &State| {
+                let mut gradient = vec![0.0; dofs];
+                pulls.add_gradient(state, &mut gradient);
+                gradient
+            };
+            let pairs = of(&ahead).into_iter().zip(of(&behind));
+            let column: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
+            columns.push(column);
+        }
+        let mut largest = 0.0f64;
+        for i in 0..dofs {
+            for k in 0..=i {
+                let block = pattern.find(i / 3, k / 3);
+                let entry = block.map_or(0.0, |b| hessian[b][i % 3 + 3 * (k % 3)]);
+                let expected = 0.5 * (columns[k][i] + columns[i][k]);
+                assert!(
+                    (entry - expected).abs() < 1e-5,
+                    "({i}, {k}): {entry}, {expected}"
+                );
+                largest = largest.max(expected.abs());
+            }
+        }
+        assert!(largest > 1.0, "{largest}");
+    }
+}

@@ -197,7 +197,13 @@ impl Character {
             state.awake.clear();
             state.awake.extend(fine.awake.handles());
         }
-        // There may be more slots here.
+        // There may be more room here, for bodies and for fine handles.
+        let frames = instance.state.frames.len();
+        if !(avatar.bones()..=like.frames.len()).contains(&frames)
+            || instance.bending.len() != frames
+        {
+            return Err(damaged());
+        }
         self.set_avatar(&avatar);
         self.instance.validate(&like)
     }

@@ -140,3 +140,26 @@ fn a_snapshot_from_before_muscles_could_be_tense_is_restored_with_relaxed_ones()
     assert_eq!(world.snapshot()?, before);
     Ok(())
 }
+
+/// The avatar has room for a body by then that it had not before.
+#[test]
+fn a_moment_before_a_body_came_is_restored() -> Result<()> {
+    let mut world = World::new(Backend::Cpu)?;
+    let asset = world.add_avatar(limb(5, 8))?;
+    let keys = [world.add_instance(asset)?];
+    run(&mut world, &keys, 0..2)?;
+    let early = world.snapshot()?;
+    let expected = run(&mut world, &keys, 2..4)?;
+    let ball = RigidBody::new("ball", Shape::Sphere { radius: 0.05 }, 900.0)?;
+    world.add_body(ball.at(at(0.12, 0.095)))?;
+    run(&mut world, &keys, 4..6)?;
+    let bones = world.instance(keys[0])?.avatar().bones();
+    assert!(world.instance(keys[0])?.state().frames.len() > bones);
+    world.restore(&early)?;
+    let again = run(&mut world, &keys, 2..4)?;
+    for (a, b) in again.iter().zip(&expected) {
+        assert_eq!(a.frames[..bones], b.frames[..bones]);
+        assert_eq!(a.handles, b.handles);
+    }
+    Ok(())
+}

@@ -129,7 +129,7 @@ impl App {
     }
 
     /// The pixels left of the panel.
-    fn scene_size(&self) -> [u32; 2] {
+    pub(super) fn scene_size(&self) -> [u32; 2] {
         let [width, height] = self.screen.size;
         let panel = (panel::WIDTH * self.screen.scale) as u32;
         [width.saturating_sub(panel).max(1), height.max(1)]

@@ -40,6 +40,7 @@ impl Record {
         states.push(State {
             frames: state.frames[..bones].to_vec(),
             handles: state.handles.clone(),
+            awake: state.awake.clone(),
         });
     }
 

@@ -159,6 +159,7 @@ fn thrown_balls_fly_hit_and_are_gone_after_a_reset() {
     assert!(most > stands + 2e-4, "{most} m");
     view.handle(Event::Key(Key::R, true));
     view.run(0.05);
+    assert!(view.app.notice().is_none(), "{:?}", view.app.notice());
     assert!(differing(&before, &view.picture().unwrap()) < 400);
 }
 
@@ -174,8 +175,8 @@ fn a_moment_is_kept_and_restored() {
     view.run(0.05);
     view.handle(Event::Key(Key::K, true));
     view.handle(Event::Key(Key::Space, true));
+    view.handle(Event::Key(Key::Num1, true));
     view.run(0.02);
-    view.handle(Event::Left);
     let (kept, seen) = (skin(&view), view.picture().unwrap());
     view.handle(Event::Key(Key::Space, true));
     view.run(0.5);
@@ -223,7 +224,7 @@ fn a_scene_begins_again_whatever_is_on_the_cursor() {
     }
     keep(&view.picture().unwrap(), "again");
     let stage = view.app.stage().unwrap();
-    assert_eq!(stage.rounds, 3);
     assert!(view.app.notice().is_none(), "{:?}", view.app.notice());
+    assert_eq!(stage.rounds, 3, "{} s", stage.time);
     assert!(stage.time < 0.2001, "{} s", stage.time);
 }
