@@ -164,7 +164,7 @@ fn play(runner: &Runner, study: &Study, name: &str, space: Space<'_>) -> Result<
         Space::Own(avatar) => {
             let potential = || CpuPotential::new(avatar.clone(), 1);
             let settled = settle(study, avatar, potential)?;
-            let least = min_det_f(&avatar, &settled.state);
+            let least = min_det_f(avatar, &settled.state);
             let displacement = skin_displacement(avatar, &settled.state);
             (settled, displacement, least)
         }

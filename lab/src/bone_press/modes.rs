@@ -96,7 +96,7 @@ impl Inverted {
         let ratios = par_map(states.len(), |k| {
             let points = volume_ratios(avatar, &states[k]).into_iter();
             let points = points.fold(f64::INFINITY, f64::min);
-            (min_det_f(&avatar, &states[k]), points)
+            (min_det_f(avatar, &states[k]), points)
         });
         let inverted = ratios.iter().filter(|(tets, _)| *tets <= 0.0);
         Self {
