@@ -14,6 +14,9 @@ impl World {
         let mut near = std::mem::take(&mut self.near);
         let budget = self.settings.fine_handles;
         for asset in 0..self.batches.len() {
+            if self.evaluators.get_mut(asset).on_cpu().is_none() {
+                continue;
+            }
             for place in 0..self.batches[asset].characters.len() {
                 self.find_near(asset, place, &mut near);
                 let batch = &mut self.batches[asset];

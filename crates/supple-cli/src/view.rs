@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Where files go that are written from the window.
     #[arg(short, long, default_value = "out/view")]
     output: PathBuf,
+    /// Bake with handles that wake where something touches: flesh dents as it should wherever it is touched.
+    #[arg(long)]
+    fine_handles: bool,
     /// Where bakes are kept.
     #[arg(long, default_value = "out/cache")]
     cache: PathBuf,
@@ -53,6 +56,7 @@ impl Arguments {
             on_gpu: self.backend == Backend::Gpu,
             cache: Some(cache.clone()),
             output: self.output,
+            fine_handles: self.fine_handles,
         };
         let request = match (self.scene, self.file) {
             (Some(scene), avatar) => Request::Scene {

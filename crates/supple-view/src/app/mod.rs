@@ -33,6 +33,8 @@ pub struct Options {
     pub cache: Option<PathBuf>,
     /// Where files are written.
     pub output: PathBuf,
+    /// Whether characters are baked with fine handles, which wake where something touches.
+    pub fine_handles: bool,
 }
 
 /// The program.
@@ -124,7 +126,7 @@ impl App {
             false => Backend::Cpu,
         };
         self.asked = Some(request.clone());
-        self.loading = Some(Loading::start(request, self.options.cache.clone(), backend));
+        self.loading = Some(Loading::start(request, &self.options, backend));
         self.notice = None;
     }
 
@@ -196,6 +198,7 @@ impl App {
         };
         stage.grip = 10f64.powf(self.grip);
         stage.set_factors(controls.factors()?)?;
+        stage.set_fine_handles(controls.fine_handles)?;
         let gravity = stage.character.scene.gravity();
         stage.world.set_gravity(controls.gravity * gravity);
         let steps = self.pace.steps(seconds, controls.time_step);

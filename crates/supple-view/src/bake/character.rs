@@ -39,16 +39,20 @@ pub struct Character {
 }
 
 impl Character {
-    /// Reads, bakes and prepares; `progress` hears the phases of a bake.
+    /// Reads, bakes, with `fine` handles if they are asked for, and prepares; `progress` hears the phases of a bake.
     ///
     /// # Errors
     /// What reading and baking say, with file, field and cure.
     pub fn load(
         request: &Request,
+        fine: bool,
         cache: Option<&Path>,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Self> {
-        let (source, scene) = request.source()?;
+        let (mut source, scene) = request.source()?;
+        if fine && source.body_source().is_some() {
+            source.set_fine_handles()?;
+        }
         let mut avatar = avatar_of(&source, cache, progress).map_err(|e| match request {
             Request::File(path) => e.of_file(path),
             _ => e,

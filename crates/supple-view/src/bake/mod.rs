@@ -6,9 +6,9 @@ mod request;
 pub use character::Character;
 pub use request::{Request, is_motion};
 
+use crate::app::Options;
 use crate::platform::{Clock, beside};
 use crate::stage::Stage;
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use supple::world::Backend;
 use supple::{Error, Result};
@@ -31,14 +31,15 @@ pub struct Loading {
 }
 
 impl Loading {
-    /// Begins; the world is made on `backend`. Bakes are kept in the folder `cache`, if one is given.
-    pub fn start(request: Request, cache: Option<PathBuf>, backend: Backend) -> Self {
+    /// Begins, as the `options` say; the world is made on `backend`.
+    pub fn start(request: Request, options: &Options, backend: Backend) -> Self {
+        let (cache, fine) = (options.cache.clone(), options.fine_handles);
         let (sender, receiver) = channel();
         let name = request.name();
         beside(async move {
             // Nobody hears it where another file was dropped meanwhile.
             let mut progress = |phase| drop(sender.send(Message::Phase(phase)));
-            let done = match Character::load(&request, cache.as_deref(), &mut progress) {
+            let done = match Character::load(&request, fine, cache.as_deref(), &mut progress) {
                 Ok(character) => Stage::new(Box::new(character), backend).await.map(Box::new),
                 Err(e) => Err(e),
             };

@@ -4,6 +4,7 @@ use crate::stage::ValueMap;
 use crate::touch::Tool;
 use supple::Result;
 use supple::potential::TissueFactors;
+use supple::sim::Settings;
 
 /// What is set in the panel or by keys.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Controls {
     pub friction: f64,
     /// Of muscle, 0 to 1.
     pub tension: f64,
+    /// How many fine handles may be awake, where the character has any.
+    pub fine_handles: usize,
     /// s.
     pub time_step: f64,
     /// How firmly bones are held while something is grabbed: the power of ten of a factor on the scene's springs.
@@ -48,6 +51,7 @@ impl Controls {
             gravity: 1.0,
             friction: 1.0,
             tension: 0.0,
+            fine_handles: Settings::default().fine_handles,
             time_step,
             grip: -4.0,
             pull: 300.0,

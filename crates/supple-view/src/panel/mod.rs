@@ -74,7 +74,7 @@ pub fn show(
             ui.separator();
             touch(ui, controls, facts, &mut asked);
             ui.separator();
-            tissue(ui, controls);
+            tissue(ui, controls, facts.stage);
             ui.separator();
             values(ui, controls, facts);
             ui.separator();
@@ -181,7 +181,7 @@ fn touch(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>, asked: &mut Ve
     }
 }
 
-fn tissue(ui: &mut Ui, controls: &mut Controls) {
+fn tissue(ui: &mut Ui, controls: &mut Controls, stage: Option<&Stage>) {
     let c = controls;
     ui.add(
         Slider::new(&mut c.softness, 0.2..=8.0)
@@ -193,6 +193,13 @@ fn tissue(ui: &mut Ui, controls: &mut Controls) {
     ui.add(Slider::new(&mut c.gravity, 0.0..=2.0).text("gravity"));
     ui.add(Slider::new(&mut c.friction, 0.0..=2.0).text("friction"));
     ui.add(Slider::new(&mut c.tension, 0.0..=1.0).text("tension"));
+    if let Some(stage) = stage
+        && stage.character.avatar.fine.slots > 0
+    {
+        let most = stage.character.avatar.fine.slots;
+        let text = format!("fine handles, {} awake", stage.awake());
+        ui.add(Slider::new(&mut c.fine_handles, 0..=most).text(text));
+    }
     let mut ms = 1e3 * c.time_step;
     if ui
         .add(Slider::new(&mut ms, 2.0..=17.0).text("step, ms"))

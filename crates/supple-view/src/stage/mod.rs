@@ -10,6 +10,7 @@ pub use shown::{Shown, ValueMap};
 
 use crate::bake::Character;
 use glam::DVec3;
+use std::sync::Arc;
 use supple::collider::Collider;
 use supple::model::Frame;
 use supple::potential::TissueFactors;
@@ -56,8 +57,8 @@ impl Stage {
     ///
     /// # Errors
     /// What the world, the scene's driver and the first equilibrium say.
-    pub async fn new(character: Box<Character>, backend: Backend) -> Result<Self> {
-        let (avatar, scene) = (character.avatar.clone(), &character.scene);
+    pub async fn new(mut character: Box<Character>, backend: Backend) -> Result<Self> {
+        let (avatar, scene) = (character.avatar.clone(), character.scene.clone());
         let settings = Settings {
             report_at_end: true,
             ..scene.settings
@@ -68,6 +69,11 @@ impl Stage {
         world.compile_kernels(&avatar.material).await?;
         let asset = world.add_avatar(avatar.clone())?;
         let me = world.add_instance(asset)?;
+        // States, files and springs are of the avatar with room for what may wake.
+        let slots = world.instance(me)?.avatar().fine.slots;
+        if slots > avatar.fine.slots {
+            character.avatar = Arc::new((*avatar).clone().with_fine_slots(slots)?);
+        }
         let driver = driver(&character)?;
         let instance = world.instance_mut(me)?.instance_mut();
         for bending in &mut instance.bending {
@@ -130,6 +136,24 @@ impl Stage {
     /// Factors that are unusable.
     pub fn set_factors(&mut self, factors: TissueFactors) -> Result<()> {
         self.world.instance_mut(self.me)?.set_factors(factors)
+    }
+
+    /// How many fine handles may be awake from the next step on.
+    ///
+    /// # Errors
+    /// None: any number is usable.
+    pub fn set_fine_handles(&mut self, fine_handles: usize) -> Result<()> {
+        let settings = *self.world.settings();
+        self.world.set_settings(Settings {
+            fine_handles: fine_handles.min(self.character.avatar.fine.slots),
+            ..settings
+        })
+    }
+
+    /// Fine handles that are awake now.
+    pub fn awake(&self) -> usize {
+        let me = self.world.instance(self.me);
+        me.map_or(0, |character| character.state().awake.len())
     }
 
     /// The character in the world.

@@ -27,10 +27,18 @@ fn alone() -> MutexGuard<'static, ()> {
 
 /// The program with nobody in it; none where there is no adapter.
 fn empty(on_gpu: bool) -> Option<Offscreen> {
-    let options = Options {
+    with_options(Options {
         on_gpu,
+        ..Options::default()
+    })
+}
+
+/// The same with these options, and folders of the tests.
+fn with_options(options: Options) -> Option<Offscreen> {
+    let options = Options {
         cache: Some(cache().into()),
         output: cache().join("written"),
+        ..options
     };
     match Offscreen::open(options, SIZE) {
         Ok(mut view) => {

@@ -1,9 +1,9 @@
 //! What a hand does.
 
-use super::{alone, differing, drag, empty, keep, limb, middle};
+use super::{alone, differing, drag, empty, keep, limb, middle, with_options};
 use supple::model::Frame;
 use supple_samples::Sample;
-use supple_view::{Button, Command, Event, Key, Picture, Request, Tool, ValueMap};
+use supple_view::{Button, Command, Event, Key, Options, Picture, Request, Tool, ValueMap};
 
 #[test]
 fn a_grab_pulls_flesh_and_lets_it_go() {
@@ -227,4 +227,34 @@ fn a_scene_begins_again_whatever_is_on_the_cursor() {
     assert!(view.app.notice().is_none(), "{:?}", view.app.notice());
     assert_eq!(stage.rounds, 3, "{} s", stage.time);
     assert!(stage.time < 0.2001, "{} s", stage.time);
+}
+
+/// Baked with fine handles, a grab wakes them, as many as may be, and flesh gives way further to the same pull.
+#[test]
+fn a_grab_wakes_fine_handles() {
+    let _turn = alone();
+    let mut pulled = Vec::new();
+    for budget in [0, 12] {
+        let fine = with_options(Options {
+            fine_handles: true,
+            ..Options::default()
+        });
+        let Some(mut view) = fine else { return };
+        view.show(Request::Sample(Sample::LimbS)).unwrap();
+        view.app.controls.fine_handles = budget;
+        let from = middle();
+        drag(&mut view, from, [from[0], from[1] - 90.0], Button::Primary);
+        view.run(0.5);
+        let stage = view.app.stage().unwrap();
+        // As many as may, or all that are near.
+        let awake = stage.awake();
+        assert!(awake <= budget && 2 * awake >= budget, "{awake}");
+        pulled.push(stage.measures.last().displacement / view.app.pull());
+        keep(&view.picture().unwrap(), &format!("fine_{budget}"));
+        view.app.ask(Command::WriteGlb);
+        view.run(0.1);
+        let told = view.app.notice().unwrap();
+        assert!(!told.wrong, "{}", told.text);
+    }
+    assert!(pulled[1] > 1.03 * pulled[0], "{pulled:?} m/N");
 }
