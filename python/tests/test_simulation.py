@@ -287,6 +287,24 @@ def test_a_collider_that_is_placed_has_no_speed(finger):
     assert shares[0] > 0.8 and abs(shares[1]) < 0.5, shares
 
 
+def test_fine_handles_wake_where_something_touches(quick):
+    """Flesh gives way to a ball that no recipe foresaw, and the potential of a step knows what is awake."""
+    fine = supple.Avatar.sample("finger", recipe={**quick, "fine_handles": {}})
+    forces = {}
+    for budget in [0, 10]:
+        sim = pressed(fine, fine_handles=budget)
+        assert sim.settings["fine_handles"] == budget
+        for _ in range(20):
+            step = sim.step(0.01)
+        forces[budget] = -step.contact_force[2]
+        assert len(step.handles) == len(fine.handles) + budget
+        awake = np.abs(step.handles[len(fine.handles) :]).max(axis=1, initial=0.0)
+        assert 2 * np.count_nonzero(awake) >= budget, awake
+        potential = sim.potential(0.01)
+        assert potential.dofs == len(potential.gradient())
+    assert forces[10] < 0.95 * forces[0], forces
+
+
 def test_settings_do_what_they_say(finger):
     def force(**settings):
         sim = pressed(finger, **settings)

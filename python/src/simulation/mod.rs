@@ -12,6 +12,7 @@ use crate::result::{Clip, Kept, Snapshot, Stack, StepResult};
 use crate::settings::Options;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::Arc;
 use supple::World;
 use supple::glam::DVec3;
 use supple::gpu::{AdapterChoice, GpuDevice};
@@ -309,7 +310,8 @@ impl Simulation {
     /// Tissue, as factors on what was baked: softness, friction, tissue_gravity; bounce (0 creeps back, 0.5 as people, 1
     /// rings), tension of muscles (0 to 1). gravity: m/s², a number against up or a vector. solver: "budgeted",
     /// "one_iteration", "converged", or a dictionary with "mode". integrator: "bdf2" or "backward_euler". And longest_step,
-    /// largest_acceleration, slip_speed, geometric_contact, joint_stiffness (N/m), report_at_end.
+    /// largest_acceleration, slip_speed, geometric_contact, joint_stiffness (N/m), report_at_end,
+    /// fine_handles (how many may be awake, of an avatar that was baked with some).
     #[pyo3(signature = (**settings))]
     fn configure<'py>(
         slf: &Bound<'py, Self>,
