@@ -5,7 +5,7 @@ use std::sync::Arc;
 use supple::gpu::{AdapterChoice, GpuDevice};
 use supple::model::Avatar;
 use supple::potential::{CpuPotential, GpuOptions, GpuPotential, Potential};
-use supple::sim::Simulation;
+use supple::sim::{Settings, Simulation};
 use supple::{Error, GpuError, Result};
 use supple_files::Series;
 use supple_scene::{Breakdown, Scene, SceneRun, run_scene, run_scene_as_series};
@@ -64,7 +64,13 @@ impl BackendFlags {
             run.report.backend = "gpu".into();
             return Ok((avatar, run));
         }
-        let avatar = Arc::new(avatar.with_fine_slots(scene.settings.fine_handles)?);
+        let (asked, baked) = (scene.settings.fine_handles, avatar.fine.len());
+        if asked > baked && asked != Settings::default().fine_handles {
+            tell(format_args!(
+                "note: fine_handles = {asked}, but the avatar was baked with {baked}"
+            ));
+        }
+        let avatar = Arc::new(avatar.with_fine_slots(asked)?);
         let potential = CpuPotential::new(avatar.clone(), 1)?;
         tell(format_args!("backend: cpu{}", self.why_cpu()));
         let mut simulation = Simulation::new(&avatar, potential, scene.settings)?;
