@@ -149,7 +149,7 @@ def test_a_clip_keeps_what_is_asked_for(finger, tmp_path):
     with np.load(tmp_path / "clip.npz") as read:
         assert np.array_equal(read["displacement"], clip.displacements)
         assert list(read["energy_names"])[2] == "elastic"
-        assert read["energies"].shape == (5, 12) and read["loads"].shape == (5, 3, 6)
+        assert read["energies"].shape == (5, 13) and read["loads"].shape == (5, 3, 6)
     with pytest.raises(supple.InvalidError, match='"velocities" is none'):
         supple.Simulation(finger, "cpu").simulate(poses, fps=60.0, record=["velocities"])
 

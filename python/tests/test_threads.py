@@ -94,8 +94,16 @@ def test_one_simulation_in_two_threads_is_refused_or_waits(finger):
     assert np.isfinite(sim.step(0.01).vertices).all()
 
 
+@pytest.fixture
+def ctrl_c():
+    """SIGINT as a terminal has it: a process that was started in the background ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="no SIGINT to send to oneself on Windows")
-def test_ctrl_c_ends_a_bake():
+def test_ctrl_c_ends_a_bake(ctrl_c):
     def interrupt():
         os.kill(os.getpid(), signal.SIGINT)
 
@@ -111,7 +119,7 @@ def test_ctrl_c_ends_a_bake():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no SIGINT to send to oneself on Windows")
-def test_ctrl_c_ends_a_clip(finger):
+def test_ctrl_c_ends_a_clip(finger, ctrl_c):
     sim = supple.Simulation(finger, "cpu")
     timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
     timer.start()
