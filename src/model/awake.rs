@@ -68,23 +68,20 @@ impl Clone for Awake {
 impl Awake {
     /// None, with room for what `avatar` can have awake at a time.
     pub fn none(avatar: &Avatar) -> Self {
-        let fine = &avatar.fine;
-        Self {
-            handles: Vec::with_capacity(fine.slots),
-            cells: Vec::with_capacity(if fine.slots > 0 {
-                fine.own_measure.len()
-            } else {
-                0
-            }),
-        }
+        let mut out = Self::default();
+        out.reserve(avatar);
+        out
     }
 
     /// Makes room for what `avatar` can have awake at a time.
     pub(crate) fn reserve(&mut self, avatar: &Avatar) {
-        let room = Self::none(avatar);
-        let more = |room: usize, len: usize| room.saturating_sub(len);
-        (self.handles).reserve(more(room.handles.capacity(), self.handles.len()));
-        (self.cells).reserve(more(room.cells.capacity(), self.cells.len()));
+        let fine = &avatar.fine;
+        let cells = match fine.slots {
+            0 => 0,
+            _ => fine.own_measure.len(),
+        };
+        (self.handles).reserve(fine.slots.saturating_sub(self.handles.len()));
+        (self.cells).reserve(cells.saturating_sub(self.cells.len()));
     }
 
     /// The fine handle of each slot that is taken.
@@ -111,11 +108,16 @@ impl Awake {
     /// Adds the cells that the handles of a state that was put here want and that are not there, wholly awake: nothing led there, so that
     /// nothing needs to fade.
     pub fn complete(&mut self, fine: &FineHandles) {
-        for &handle in &self.handles {
-            for &cell in fine.cells.row(handle as usize) {
-                if let Err(at) = self.cells.binary_search_by_key(&cell, |c| c.0) {
-                    self.cells.insert(at, (cell, 1.0));
-                }
+        for k in 0..self.handles.len() {
+            self.add_cells(fine, self.handles[k], 1.0);
+        }
+    }
+
+    /// Adds the cells of `handle` that are not there, at this share.
+    fn add_cells(&mut self, fine: &FineHandles, handle: u32, share: f64) {
+        for &cell in fine.cells.row(handle as usize) {
+            if let Err(at) = self.cells.binary_search_by_key(&cell, |c| c.0) {
+                self.cells.insert(at, (cell, share));
             }
         }
     }
@@ -143,11 +145,7 @@ impl Awake {
             state.handles[coarse + slot] = DVec3::ZERO;
             state.awake.clone_from(&self.handles);
         });
-        for &cell in fine.cells.row(handle as usize) {
-            if let Err(at) = self.cells.binary_search_by_key(&cell, |c| c.0) {
-                self.cells.insert(at, (cell, 0.0));
-            }
-        }
+        self.add_cells(fine, handle, 0.0);
         true
     }
 

@@ -18,15 +18,15 @@ impl World {
                 continue;
             }
             for place in 0..self.batches[asset].characters.len() {
+                let batch = &self.batches[asset];
+                if !(batch.used[place] && batch.characters[place].awake) {
+                    continue;
+                }
                 self.find_near(asset, place, &mut near);
                 let batch = &mut self.batches[asset];
-                let (Some(waking), character) =
-                    (&batch.physics.waking, &mut batch.characters[place])
-                else {
-                    break;
-                };
-                if batch.used[place] && character.awake {
-                    waking.update(&mut character.instance, &near, budget);
+                if let Some(waking) = &batch.physics.waking {
+                    let instance = &mut batch.characters[place].instance;
+                    waking.update(instance, &near, budget);
                 }
             }
         }
